@@ -1,5 +1,8 @@
 #include "bench/begin_command.h"
 
+#include <cstdio>
+
+#include "lte/base/file.h"
 #include "lte/cli/writable.h"
 #include "lte/runtime/device.h"
 
@@ -13,6 +16,15 @@ void begin_command(const CommonOptions& common, CommandFiles* files, const std::
   runtime::set_torch_threads(common.threads);
   check_writable(out);
   check_writable(common.json);
+}
+
+void run_measured(const CommonOptions& common, CommandFiles* files,
+                  const std::function<std::vector<BenchResult>()>& measure) {
+  begin_command(common, files);
+  const std::vector<BenchResult> results = measure();
+  std::fputs(bench_table(results).c_str(), stdout);
+  files->check_what_was_read();
+  if (!common.json.empty()) write_file(common.json, bench_json(results));
 }
 
 }  // namespace lte::bench

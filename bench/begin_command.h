@@ -1,8 +1,11 @@
-// What commands of lte_bench do before their work.
+// What commands that measure do before and after their work.
 #pragma once
 
+#include <functional>
 #include <string>
+#include <vector>
 
+#include "bench/bench.h"
 #include "lte/cli/cli.h"
 #include "lte/cli/command_files.h"
 
@@ -13,5 +16,9 @@ namespace lte::bench {
 /// @param files  inputs of the command
 /// @param out    its page; empty: none
 void begin_command(const CommonOptions& common, CommandFiles* files, const std::string& out = "");
+
+/// A whole command: begin_command(), the measured rows as a table on standard output, and --json.
+void run_measured(const CommonOptions& common, CommandFiles* files,
+                  const std::function<std::vector<BenchResult>()>& measure);
 
 }  // namespace lte::bench

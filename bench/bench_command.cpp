@@ -1,11 +1,9 @@
 #include "bench/bench_command.h"
 
-#include <cstdio>
 #include <memory>
 
 #include "bench/begin_command.h"
 #include "infer/tool/tool_options.h"
-#include "lte/base/file.h"
 #include "lte/cli/numbers.h"
 
 #ifndef LTE_HAS_SCENE
@@ -75,11 +73,7 @@ void run_bench(const BenchRequest& request) {
   if (request.command) return request.command();
   CommandFiles files;
   files.reads("--scene", request.options.scene);
-  begin_command(request.common, &files);
-  const std::vector<BenchResult> results = request.benchmark(request.options);
-  std::fputs(bench_table(results).c_str(), stdout);
-  files.check_what_was_read();
-  if (!request.common.json.empty()) write_file(request.common.json, bench_json(results));
+  run_measured(request.common, &files, [&] { return request.benchmark(request.options); });
 }
 
 }  // namespace lte::bench

@@ -44,6 +44,18 @@ nn::LightTransportModel untrained_model(c10::Device device, int64_t channels,
   return model;
 }
 
+/// A network of random weights where and how a command wants it.
+struct Setup {
+  c10::Device device;
+  nn::Precision precision;
+  nn::LightTransportModel model;
+
+  explicit Setup(const BenchOptions& options)
+      : device(device_of(options)),
+        precision(choose_precision(options.precision, runtime::device_of(device))),
+        model(untrained_model(device, options.channels, precision)) {}
+};
+
 }  // namespace
 
 std::vector<BenchResult> bench_ops(const BenchOptions& options) {
@@ -163,30 +175,26 @@ BenchResult time_radiance(const BenchOptions& options, c10::Device device,
 
 std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
-  const c10::Device device = device_of(options);
-  const nn::Precision precision = choose_precision(options.precision, runtime::device_of(device));
-  nn::LightTransportModel model = untrained_model(device, options.channels, precision);
+  Setup setup(options);
   const int64_t M = options.scene_points;
-  MemoryLimit(options.max_memory_mb).check_encoding(model->config(), M);
+  MemoryLimit(options.max_memory_mb).check_encoding(setup.model->config(), M);
   return {runtime::explain_out_of_memory(
-      {concat("encoding ", M, " scene points"), encode_mb(model->config(), M),
+      {concat("encoding ", M, " scene points"), encode_mb(setup.model->config(), M),
        "take fewer (--scene-points), or fewer --channels"},
-      [&] { return time_encoder(options, device, model, precision); })};
+      [&] { return time_encoder(options, setup.device, setup.model, setup.precision); })};
 }
 
 std::vector<BenchResult> bench_decoder(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
-  const c10::Device device = device_of(options);
-  const nn::Precision precision = choose_precision(options.precision, runtime::device_of(device));
-  nn::LightTransportModel model = untrained_model(device, options.channels, precision);
+  Setup setup(options);
   const int64_t Q = options.queries;
   std::vector<BenchResult> results;
   runtime::explain_out_of_memory(
-      {concat("decoding ", Q, " queries"), decode_mb(model->config(), Q, kQueryBlock),
+      {concat("decoding ", Q, " queries"), decode_mb(setup.model->config(), Q, kQueryBlock),
        "ask for fewer (--queries), or decode fewer at a time (--max-memory)"},
       [&] {
-        results.push_back(time_decoder(options, device, model, precision));
-        results.push_back(time_radiance(options, device, precision));
+        results.push_back(time_decoder(options, setup.device, setup.model, setup.precision));
+        results.push_back(time_radiance(options, setup.device, setup.precision));
       });
   return results;
 }

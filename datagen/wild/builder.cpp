@@ -85,14 +85,7 @@ Mesh sheet_of(const Vec3& corner, const Vec3& right, const Vec3& up) {
 }
 
 Mesh ball(const Vec3& centre, float radius, int turn) {
-  std::vector<Vec2> half{{0, -radius}};
-  const int rows = turn / 2;
-  for (int i = 1; i < rows; ++i) {
-    const float t = kPi * (static_cast<float>(i) / static_cast<float>(rows) - 0.5f);
-    half.push_back({radius * std::cos(t), radius * std::sin(t)});
-  }
-  half.push_back({0, radius});
-  Mesh mesh = homes::lathe(half, turn);
+  Mesh mesh = homes::sphere(radius, turn);
   for (Vec3& p : mesh.positions) p += centre;
   return mesh;
 }

@@ -3,7 +3,6 @@
 // paper's supplement, section 4).
 #include "experiments/command.h"
 
-#include <cstdio>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,7 +17,6 @@
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
-#include "lte/base/file.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/pathtrace/placement/auto_camera.h"
@@ -85,11 +83,7 @@ void run(const Request& request) {
   CommandFiles files;
   files.reads("SCENE", request.scene);
   files.reads("--checkpoint", request.checkpoint);
-  bench::begin_command(request.common, &files);
-  const std::vector<bench::BenchResult> results = measure(request);
-  std::fputs(bench::bench_table(results).c_str(), stdout);
-  files.check_what_was_read();
-  if (!request.common.json.empty()) write_file(request.common.json, bench::bench_json(results));
+  bench::run_measured(request.common, &files, [&] { return measure(request); });
 }
 
 }  // namespace

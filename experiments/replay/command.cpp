@@ -2,7 +2,6 @@
 // the path tracer itself costs.
 #include "experiments/command.h"
 
-#include <cstdio>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,7 +12,6 @@
 #include "experiments/replay/trace_rates.h"
 #include "infer/tool/assets.h"
 #include "infer/tool/tool_options.h"
-#include "lte/base/file.h"
 #include "lte/base/parallel.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/scene_flags.h"
@@ -79,11 +77,7 @@ std::vector<bench::BenchResult> measure(const Request& request) {
 void run(const Request& request) {
   CommandFiles files;
   files.reads("SCENE", request.scene);
-  bench::begin_command(request.common, &files);
-  const std::vector<bench::BenchResult> results = measure(request);
-  std::fputs(bench::bench_table(results).c_str(), stdout);
-  files.check_what_was_read();
-  if (!request.common.json.empty()) write_file(request.common.json, bench::bench_json(results));
+  bench::run_measured(request.common, &files, [&] { return measure(request); });
 }
 
 }  // namespace

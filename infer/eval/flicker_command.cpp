@@ -60,8 +60,9 @@ CLI::App* add_flicker_command(CLI::App& app, FlickerRequest* request) {
   command->fallthrough();
   command->add_option("frames", request->frames, "Frames in the order of time: .exr by lte_render")
       ->required();
-  command->add_option("--reference", request->reference,
-                      "As many frames by the same cameras without error, such as --mode reference");
+  command->add_option(
+      "--reference", request->reference,
+      "As many frames by the same cameras without error, such as of --integrator path");
   command->add_option(
       "--layer", request->layer,
       "What to compare: a layer such as indirect or direct; by default the picture, "

@@ -30,6 +30,16 @@ struct Plane {
   std::vector<float> variance;
 };
 
+/// Whether the filter may mix two surface points.
+bool same_surface(const Vec3& position_a, const Vec3& normal_a, const Vec3& position_b,
+                  const Vec3& normal_b) {
+  if (!(dot(normal_a, normal_b) >= kMinCosine)) return false;
+  const Vec3 between = position_b - position_a;
+  const float above_a = dot(between, normal_a), above_b = dot(between, normal_b);
+  const float limit = kLargestSlope * kLargestSlope * dot(between, between);
+  return above_a * above_a <= limit && above_b * above_b <= limit;
+}
+
 class Filter {
  public:
   Filter(const Image& noisy, const BilateralGuides& guides, const BilateralOptions& options)
@@ -152,57 +162,6 @@ class Filter {
 };
 
 }  // namespace
-
-bool same_surface(const Vec3& position_a, const Vec3& normal_a, const Vec3& position_b,
-                  const Vec3& normal_b) {
-  if (!(dot(normal_a, normal_b) >= kMinCosine)) return false;
-  const Vec3 between = position_b - position_a;
-  const float above_a = dot(between, normal_a), above_b = dot(between, normal_b);
-  const float limit = kLargestSlope * kLargestSlope * dot(between, between);
-  return above_a * above_a <= limit && above_b * above_b <= limit;
-}
-
-void surface_means(const Image& normal, const Image& position, int step,
-                   std::span<Image* const> pictures) {
-  const int width = normal.width, height = normal.height;
-  const auto is_of_size = [&](const Image& image) {
-    return image.width == width && image.height == height && image.channels == 3;
-  };
-  LTE_CHECK(step >= 1 && is_of_size(normal) && is_of_size(position) &&
-                std::ranges::all_of(pictures, [&](const Image* p) { return is_of_size(*p); }),
-            "surface means: expected pictures of one size, got some of others");
-  std::vector<Image> means;
-  for (const Image* picture : pictures) means.push_back(*picture);
-  parallel_for(height, kRowsAtOnce, [&](int64_t begin, int64_t end) {
-    std::vector<Rgb> sums(pictures.size());
-    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      for (int x = 0; x < width; ++x) {
-        const Vec3 at = position.rgb(x, y), up = normal.rgb(x, y);
-        if (!(dot(up, up) > 0)) continue;
-        std::fill(sums.begin(), sums.end(), Rgb{});
-        float weights = 0;
-        for (int row = -2; row <= 2; ++row) {
-          const int tap_y = y + row * step;
-          if (tap_y < 0 || tap_y >= height) continue;
-          for (int column = -2; column <= 2; ++column) {
-            const int tap_x = x + column * step;
-            if (tap_x < 0 || tap_x >= width) continue;
-            const bool own = row == 0 && column == 0;
-            if (!own && !same_surface(at, up, position.rgb(tap_x, tap_y), normal.rgb(tap_x, tap_y)))
-              continue;
-            const float weight =
-                kTaps[static_cast<size_t>(column + 2)] * kTaps[static_cast<size_t>(row + 2)];
-            for (size_t k = 0; k < sums.size(); ++k)
-              sums[k] += pictures[k]->rgb(tap_x, tap_y) * weight;
-            weights += weight;
-          }
-        }
-        for (size_t k = 0; k < sums.size(); ++k) means[k].set_rgb(x, y, sums[k] * (1 / weights));
-      }
-    }
-  });
-  for (size_t k = 0; k < means.size(); ++k) *pictures[k] = std::move(means[k]);
-}
 
 Image bilateral_filter(const Image& noisy, const BilateralGuides& guides,
                        const BilateralOptions& options) {

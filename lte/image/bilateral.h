@@ -7,8 +7,6 @@
 // its value differs, measured in the standard error of the noise, so that shadows stay.
 #pragma once
 
-#include <span>
-
 #include "lte/image/image.h"
 
 namespace lte::image {
@@ -33,16 +31,5 @@ struct BilateralOptions {
 /// @throws lte::Error if a guide is missing or of another size, or an option is out of range.
 Image bilateral_filter(const Image& noisy, const BilateralGuides& guides,
                        const BilateralOptions& options = {});
-
-/// One pass without regard to values, over taps `step` pixels apart, of several pictures at once.
-/// It is linear, so shadows are smoothed away.
-/// @param normal, position  as those of BilateralGuides
-/// @param pictures          of their size, [height, width, 3]; background stays as it is
-void surface_means(const Image& normal, const Image& position, int step,
-                   std::span<Image* const> pictures);
-
-/// Whether the filter may mix two surface points.
-bool same_surface(const Vec3& position_a, const Vec3& normal_a, const Vec3& position_b,
-                  const Vec3& normal_b);
 
 }  // namespace lte::image

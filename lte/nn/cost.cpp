@@ -152,32 +152,13 @@ double encode_flops(const ModelConfig& config, const EncoderPlan& plan, int64_t 
   return 2 * products;
 }
 
-namespace {
-
-/// Multiply-adds of a query decoder's features or answers.
-double query_products(const ModelConfig& config, int64_t m, int64_t inputs, int64_t answers) {
+double decode_flops(const ModelConfig& config, int64_t m) {
   const double D = real(config.channels), L = real(config.query_layers), h = real(kGammaHidden),
                ratio = real(kFfnRatio), near = real(std::min(config.query_neighbours, m));
-  const double point = real(inputs) * D + D * D, head = D * D + real(answers) * D;
+  const double point = real(config.query_inputs()) * D + D * D, head = D * D + 3 * D;
   const double gamma = near * (real(config.pair_inputs()) * h + h * D), sums = 2 * near * L * D;
   const double layers = L * (2 + 2 * ratio) * D * D;
-  return point + gamma + sums + layers + head;
-}
-
-}  // namespace
-
-double decode_flops(const ModelConfig& config, int64_t m) {
-  return 2 * query_products(config, m, config.query_inputs(), 3);
-}
-
-double radiance_flops(const ModelConfig& config, int64_t m) {
-  const double lobes = 5 * real(config.radiance_lobes) * real(config.channels);
-  return 2 * (query_products(config, m, config.query_inputs(), config.channels) + lobes);
-}
-
-double direction_flops(const ModelConfig& config) {
-  const double K = real(config.radiance_lobes);
-  return 2 * (3 * K + (K + real(kSeenFeatures)) * K + 6 * K);
+  return 2 * (point + gamma + sums + layers + head);
 }
 
 double encode_mb(const ModelConfig& config, int64_t M) {

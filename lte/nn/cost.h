@@ -50,11 +50,6 @@ double encode_flops(const ModelConfig& config, const EncoderPlan& plan, int64_t 
 /// least known to do. The sums count two multiply-adds a neighbour, layer and channel.
 double decode_flops(const ModelConfig& config, int64_t m);
 
-/// The features and lobes of one point in the radiance decoder, and one direction from it. What all
-/// directions share is nothing where they enter early.
-double radiance_flops(const ModelConfig& config, int64_t m);
-double direction_flops(const ModelConfig& config);
-
 // Memory of inference: the peak above the weights in MiB, as measured (docs/benchmarks.md), with a
 // tenth to spare.
 

@@ -40,22 +40,6 @@ MetalShare metal_share(const Scene& scene) {
   return {metal / total, by_default / total};
 }
 
-bool is_all_metal(const Scene& scene) {
-  constexpr size_t kMetalChannel = 2;
-  const auto metal_everywhere = [&](const Material& material) {
-    const int number = material.metallic_roughness_texture.texture;
-    if (!(material.metallic > 0) || number == kNone) return material.metallic > 0;
-    const auto& texels = scene.textures[static_cast<size_t>(number)]->texels();
-    for (size_t i = kMetalChannel; i < texels.size(); i += 3)
-      if (texels[i] == 0) return false;
-    return true;
-  };
-  return std::all_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& instance) {
-    const Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
-    return metal_everywhere(scene.materials[static_cast<size_t>(mesh.material)]);
-  });
-}
-
 std::string metal_text(const MetalShare& share, const std::string& of) {
   if (!(share.metal > 0)) return "";
   const char* reason =

@@ -63,24 +63,6 @@ double variance_within(const Image& image, int margin) {
   return (squares - sum * sum / count) / (count - 1);
 }
 
-/// Sum of the squared weights of the filter, by squaring the polynomial of its taps in x; the taps
-/// in y are the same.
-double noise_left(int passes) {
-  std::vector<double> weights{1};
-  for (int pass = 0; pass < passes; ++pass) {
-    const size_t step = size_t{1} << pass;
-    std::vector<double> wider(weights.size() + 4 * step);
-    const double taps[] = {1, 4, 6, 4, 1};
-    for (size_t i = 0; i < weights.size(); ++i) {
-      for (size_t k = 0; k < 5; ++k) wider[i + k * step] += weights[i] * taps[k] / 16;
-    }
-    weights = wider;
-  }
-  double squares = 0;
-  for (const double weight : weights) squares += weight * weight;
-  return squares * squares;
-}
-
 TEST(Bilateral, LeavesConstantPicturesAsTheyAre) {
   const Wall wall(37, 21);
   Image light(37, 21, 3);
@@ -90,20 +72,6 @@ TEST(Bilateral, LeavesConstantPicturesAsTheyAre) {
   const Image out = bilateral_filter(light, wall.guides(), {5, 4});
   for (size_t i = 0; i < light.pixels.size(); ++i)
     ASSERT_NEAR(out.pixels[i], light.pixels[i], 1e-5f * light.pixels[i]);
-}
-
-TEST(SurfaceMeans, TakeTheNoiseThatTheirWeightsSay) {
-  const Wall wall(400, 400);
-  const Image light = noise(400, 400, 0.01);
-  for (const int passes : {1, 2, 3}) {
-    Image out = light;
-    for (int pass = 0; pass < passes; ++pass)
-      surface_means(wall.normal, wall.position, 1 << pass, std::array<Image*, 1>{&out});
-    const int reach = 2 * ((1 << passes) - 1);
-    EXPECT_NEAR(variance_within(out, reach), 0.01 * noise_left(passes),
-                0.1 * 0.01 * noise_left(passes))
-        << passes << " passes";
-  }
 }
 
 TEST(Bilateral, TakesNearlyAsMuchNoiseWhereNoShadowIs) {
@@ -189,30 +157,6 @@ TEST(Bilateral, DoesNotDependOnThreads) {
   const Image one = bilateral_filter(light, wall.guides());
   set_num_threads(threads);
   EXPECT_EQ(one.pixels, many.pixels);
-}
-
-TEST(SurfaceMeans, AreThoseOfTheSurfaceAndOfEachPicture) {
-  Wall wall(16, 8);
-  for (int y = 0; y < 8; ++y)
-    for (int x = 8; x < 16; ++x) wall.normal.set_rgb(x, y, {1, 0, 0});  // a corner
-  Image light(16, 8, 3), other(16, 8, 3);
-  for (int y = 0; y < 8; ++y) {
-    for (int x = 0; x < 16; ++x) {
-      light.set_rgb(x, y, x < 8 ? Rgb{1, 2, 3} : Rgb{5, 5, 5});
-      other.set_rgb(x, y, {static_cast<float>(x % 2), 0, 0});
-    }
-  }
-  const Image before = light;
-  surface_means(wall.normal, wall.position, 1, std::array<Image*, 2>{&light, &other});
-  for (size_t k = 0; k < light.pixels.size(); ++k)
-    EXPECT_NEAR(light.pixels[k], before.pixels[k], 1e-5f) << "nothing crosses the corner";
-  // 1/16, 4/16, 6/16, 4/16, 1/16 over 1 0 1 0 1 or 0 1 0 1 0.
-  EXPECT_NEAR(other.rgb(4, 4).x, 0.5f, 1e-5f);
-  EXPECT_NEAR(other.rgb(5, 4).x, 0.5f, 1e-5f);
-  const Image small(4, 4, 3);
-  Image wrong = small;
-  EXPECT_THAT([&] { surface_means(wall.normal, wall.position, 1, std::array<Image*, 1>{&wrong}); },
-              ThrowsMessage<Error>(HasSubstr("surface means")));
 }
 
 TEST(Bilateral, NamesWhatIsWrong) {

@@ -230,10 +230,7 @@ TEST(RadianceDecoder, IsInTheModelFile) {
   EXPECT_TRUE(torch::equal(c.radiance(), before));
 }
 
-TEST(RadianceDecoder, AFurtherDirectionCostsAFewHundredthsOfAPoint) {
-  ModelConfig config = ModelConfig::of(Preset::Lte);  // as configs/train/lte_radiance.yaml has it
-  config.radiance_lobes = 48;
-  EXPECT_LT(direction_flops(config), 0.05 * radiance_flops(config, 1024));
+TEST(RadianceDecoder, ItsParametersAreCountedApart) {
   const ParameterCounts counts = count_parameters(Case().model);
   EXPECT_EQ(counts.nne + counts.encoder + counts.decoder + counts.radiance, counts.total);
 }

@@ -17,17 +17,10 @@ Rgb lamp_radiance(Kit* kit, float area) {
 
 void add_bulb(Kit* kit, Piece* piece, const Vec3& at, float radius, bool lit) {
   const int turn = std::max(8, kit->detail.turn(radius));
-  std::vector<Vec2> half{{0, -radius}};
-  const int rows = turn / 2;
-  for (int i = 1; i < rows; ++i) {
-    const float t = kPi * (static_cast<float>(i) / static_cast<float>(rows) - 0.5f);
-    half.push_back({radius * std::cos(t), radius * std::sin(t)});
-  }
-  half.push_back({0, radius});
   const int material =
       lit ? kit->palette->emitter("bulb", lamp_radiance(kit, 4 * kPi * radius * radius))
           : kit->palette->paper();
-  piece->add(lathe(half, turn), material, translation(at));
+  piece->add(sphere(radius, turn), material, translation(at));
 }
 
 /// An open cone or drum, a bulb in it, and a spider that holds it.

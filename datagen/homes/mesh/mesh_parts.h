@@ -40,6 +40,9 @@ Mesh cushion(const Vec3& size, int turn, float seam_m = 0.006f);
 /// instead, such as a lampshade's or a bowl's wall.
 Mesh lathe(const std::vector<Vec2>& profile, int turn, bool ring = false);
 
+/// A lathed sphere around the origin.
+Mesh sphere(float radius, int turn);
+
 /// A Catmull-Rom curve through the points, with `steps` chords a span. The ends are kept. A curve
 /// in the plane stays within the box of each span's ends.
 std::vector<Vec2> smooth(const std::vector<Vec2>& points, int steps);

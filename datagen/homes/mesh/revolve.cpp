@@ -83,6 +83,17 @@ Mesh lathe(const std::vector<Vec2>& profile, int turn, bool ring) {
   return mesh;
 }
 
+Mesh sphere(float radius, int turn) {
+  std::vector<Vec2> half{{0, -radius}};
+  const int rows = turn / 2;
+  for (int i = 1; i < rows; ++i) {
+    const float t = kPi * (static_cast<float>(i) / static_cast<float>(rows) - 0.5f);
+    half.push_back({radius * std::cos(t), radius * std::sin(t)});
+  }
+  half.push_back({0, radius});
+  return lathe(half, turn);
+}
+
 Mesh tube(const std::vector<Vec3>& path, float radius, int turn) {
   Mesh mesh;
   Vec3 side, other;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "infer/eval/measure/scores.h"
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 
@@ -73,7 +74,6 @@ Bootstrap::Bootstrap(size_t scenes, const BootstrapSettings& settings)
 
 Interval Bootstrap::interval(
     const std::function<double(std::span<const uint32_t>)>& statistic) const {
-  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
   if (scenes_ < 2) return {kMissing, kMissing};
   std::vector<double> values;
   for (size_t begin = 0; begin < draws_.size(); begin += scenes_) {

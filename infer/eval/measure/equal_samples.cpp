@@ -7,7 +7,6 @@
 namespace lte::infer {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMaxPsnr = 100;
 constexpr size_t kMse = 0;  // in both lists of metrics
 

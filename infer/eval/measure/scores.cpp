@@ -5,17 +5,16 @@
 #include <functional>
 #include <limits>
 
-#include "infer/light/points.h"
 #include "lte/base/check.h"
 #include "lte/image/flip.h"
 #include "lte/image/metrics.h"
 #include "lte/image/tonemap.h"
+#include "lte/runtime/points.h"
 
 namespace lte::infer {
 namespace {
 
 constexpr double kWhitePercentile = 0.99;
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 /// PSNR with the reference's 99th percentile as white.
 double exposed_psnr(double mse, std::span<const Rgb> reference) {
@@ -98,7 +97,7 @@ PointScore score_points(std::span<const Rgb> prediction, std::span<const Rgb> re
   LTE_CHECK(prediction.size() == reference.size(), "scores: ", prediction.size(),
             " predictions for ", reference.size(), " references");
   if (reference.empty()) return Score().points;
-  const std::span<const float> a = floats(prediction), b = floats(reference);
+  const std::span<const float> a = runtime::floats(prediction), b = runtime::floats(reference);
   const double mse = image::mse(a, b);
   return {mse, exposed_psnr(mse, reference), image::relative_mse(a, b),
           image::log_relative_l2(a, b)};

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,6 +14,9 @@
 #include "lte/image/image.h"
 
 namespace lte::infer {
+
+/// What could not be measured.
+inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 inline constexpr std::array<const char*, 4> kPointMetrics = {"mse", "psnr", "relmse", "logrel"};
 inline constexpr std::array<const char*, 6> kViewMetrics = {"mse",    "psnr", "ssim",
