@@ -9,7 +9,7 @@
 
 #include "lte/base/config.h"
 #include "lte/nn/config.h"
-#include "lte/nn/loss.h"
+#include "lte/nn/loss_config.h"
 #include "lte/nn/precision.h"
 
 namespace lte::train {
