@@ -14,7 +14,7 @@
 namespace lte {
 namespace {
 
-constexpr const char* kBox = "assets/scenes/cornell_box.glb";
+constexpr const char* kScene = "assets/scenes/cornell_box.glb";
 
 // Of version 1 of the interface, on 64 bits: programs have them compiled in.
 static_assert(sizeof(lte_scene_options) == 16 && sizeof(lte_scene_info) == 56 &&
@@ -25,7 +25,7 @@ static_assert(sizeof(lte_scene_options) == 16 && sizeof(lte_scene_info) == 56 &&
 class CRenderErrors : public testing::Test {
  protected:
   CRenderErrors() {
-    EXPECT_EQ(lte_scene_open(kBox, nullptr, &scene_), LTE_OK) << lte_last_error();
+    EXPECT_EQ(lte_scene_open(kScene, nullptr, &scene_), LTE_OK) << lte_last_error();
     camera_.struct_size = sizeof camera_;
     EXPECT_EQ(lte_scene_get_camera(scene_, 0, &camera_), LTE_OK);
     lte_integrator_options path = {};
@@ -63,9 +63,9 @@ TEST_F(CRenderErrors, Scenes) {
   EXPECT_EQ(scene, nullptr);
   expect(lte_scene_open("README.md", nullptr, &scene), "README.md", LTE_ERROR_FILE);
   expect(lte_scene_open(nullptr, nullptr, &scene), "path is null");
-  expect(lte_scene_open(kBox, nullptr, nullptr), "scene is null");
+  expect(lte_scene_open(kScene, nullptr, nullptr), "scene is null");
   lte_scene_options options = {};
-  expect(lte_scene_open(kBox, &options, &scene), "struct_size is 0");
+  expect(lte_scene_open(kScene, &options, &scene), "struct_size is 0");
   lte_scene_info info = {};
   expect(lte_scene_get_info(scene_, &info), "struct_size is 0");
   expect(lte_scene_get_info(nullptr, &info), "scene is null");
