@@ -388,7 +388,8 @@ void run_render(const RenderRequest& request) {
   const render::CacheSettings cache = cache_settings(request, settings);
   const std::optional<runtime::Network> network =
       load_network(request, views, renderer, settings, &records);
-  say_method(checkpoint_or_shipped(request.checkpoint), renderer, settings, records, cache.records);
+  say_method(network ? checkpoint_or_shipped(request.checkpoint) : std::filesystem::path(),
+             renderer, settings, records, cache.records);
   files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   if (network) {

@@ -1,6 +1,7 @@
 #include "infer/tool/assets.h"
 
 #include <cstdlib>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -17,8 +18,9 @@ fs::path asset_path(const std::string& relative, const std::string& instead) {
     std::error_code ignored;
     const fs::path executable = fs::read_symlink("/proc/self/exe", ignored);
     const fs::path prefix = executable.parent_path().parent_path();
-    folders = {prefix / "share" / "lte" / "assets", prefix.parent_path() / "assets",
-               LTE_SOURCE_ASSETS};
+    folders = {prefix / "share" / "lte" / "assets", prefix.parent_path() / "assets"};
+    constexpr std::string_view kSourceAssets = LTE_SOURCE_ASSETS;  // empty in packages
+    if (!kSourceAssets.empty()) folders.emplace_back(kSourceAssets);
   }
   std::string looked;
   for (const fs::path& folder : folders) {

@@ -63,7 +63,8 @@ std::vector<fs::path> oidn_candidates() {
   const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
   add_folder(folder, &out);
   add_folder(folder.parent_path() / "lib", &out);
-  add_environment(LTE_SOURCE_VENV, &out);
+  constexpr std::string_view kSourceVenv = LTE_SOURCE_VENV;  // empty in packages
+  if (!kSourceVenv.empty()) add_environment(kSourceVenv, &out);
   out.emplace_back(kFile);
   return out;
 }

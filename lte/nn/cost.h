@@ -50,14 +50,6 @@ double encode_flops(const ModelConfig& config, const EncoderPlan& plan, int64_t 
 /// least known to do. The sums count two multiply-adds a neighbour, layer and channel.
 double decode_flops(const ModelConfig& config, int64_t m);
 
-// Memory of inference: the peak above the weights in MiB, as measured (docs/benchmarks.md), with a
-// tenth to spare.
-
-/// To encode M scene points, the embedding included.
-double encode_mb(const ModelConfig& config, int64_t M);
-
-/// To decode Q queries in blocks of `block`, the answers included and the queries themselves not.
-double decode_mb(const ModelConfig& config, int64_t Q, int64_t block);
 
 // Memory of training, in bytes, counted from the layers' shapes.
 

@@ -10,7 +10,7 @@
 
 #include "lte/base/check.h"
 #include "lte/nn/config.h"
-#include "lte/nn/cost.h"
+#include "lte/nn/inference_memory.h"
 #include "lte/runtime/refusal.h"
 
 namespace lte::runtime {

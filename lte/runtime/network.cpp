@@ -11,6 +11,8 @@
 
 namespace lte::runtime {
 
+void require_networks() {}
+
 struct Network::State {
   nn::LightTransportModel model;
   nn::ModelMetadata metadata;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/nn/constants.h"
+#include "lte/nn/inference_memory.h"
 #include "lte/nn/model.h"
 #include "tests/nn/support.h"
 
