@@ -70,8 +70,10 @@ at::Tensor composed_means(const LightPrior& prior, const at::Tensor& position,
 }
 
 at::Tensor means(const LightPrior& prior, const at::Tensor& position, const at::Tensor& normal) {
+  const at::Tensor query = position.to(at::kFloat).contiguous();
   const at::Tensor near =
-      std::get<0>(ops::knn(position.to(at::kFloat).contiguous(), prior.position, kPriorNeighbours));
+      std::get<0>(prior.nearest ? prior.nearest->search(query)
+                                : ops::knn(query, prior.position, kPriorNeighbours));
   if (position.device().is_cpu() && position.scalar_type() == at::kFloat)
     return ops::light_prior_means(position, normal, prior.position, prior.normal, prior.light,
                                   prior.error, near, kPriorWeights);
@@ -117,6 +119,11 @@ LightReading LightPrior::read(const at::Tensor& query, const at::Tensor& facing)
   return reading(all, floor);
 }
 
+void LightPrior::make_index() {
+  if (position.is_cpu() && position.size(0) > 0)
+    nearest = std::make_shared<const ops::KnnIndex>(position, kPriorNeighbours);
+}
+
 LightPrior make_light_prior(const at::Tensor& position, const at::Tensor& normal,
                             const at::Tensor& emission, const at::Tensor& light,
                             const at::Tensor& error) {
@@ -131,6 +138,7 @@ LightPrior make_light_prior(const at::Tensor& position, const at::Tensor& normal
       prior.light.narrow(1, 0, 3).add(prior.light.narrow(1, ops::kPriorLight, 3));
   prior.floor =
       rows.size(0) > 0 ? indirect.mean(0).mul(kPriorFloor) : at::zeros({3}, light.options());
+  prior.make_index();
   return prior;
 }
 

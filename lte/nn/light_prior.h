@@ -5,11 +5,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <ATen/core/Tensor.h>
 
 #include "lte/nn/config.h"
+#include "lte/ops/knn.h"
 
 namespace lte::nn {
 
@@ -32,10 +34,14 @@ struct LightPrior {
   at::Tensor light;     ///< [S, 12] of front and back: indirect, direct, over the emission scale
   at::Tensor error;     ///< [S, 2] relative standard error of indirect irradiance, or undefined
   at::Tensor floor;     ///< [3] added everywhere: kPriorFloor of the mean (lte/nn/constants.h)
+  /// Over `position`, or null: then each read() on the CPU builds its own.
+  std::shared_ptr<const ops::KnnIndex> nearest;
 
   bool defined() const { return position.defined(); }
   /// Inputs on one device, in one dtype; no gradients.
   LightReading read(const at::Tensor& position, const at::Tensor& normal) const;
+  /// Makes `nearest` where there are points on the CPU.
+  void make_index();
   std::vector<at::Tensor> tensors() const { return {position, normal, light, error, floor}; }
 };
 

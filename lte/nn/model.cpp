@@ -45,6 +45,12 @@ void LightTransportModelImpl::make_tables(Embedding* embedding) {
   if (!embedding->table.defined()) embedding->table = parts_->decoder->table(embedding->features);
   if (config_.predicts_radiance())
     embedding->radiance_table = parts_->radiance->query()->table(embedding->features);
+  if (!embedding->features.is_cpu()) return;
+  embedding->nearest = parts_->decoder->index(embedding->position);
+  embedding->weights = parts_->decoder->packed();
+  if (config_.predicts_radiance())
+    embedding->radiance_weights = parts_->radiance->query()->packed();
+  if (embedding->prior.defined() && !embedding->prior.nearest) embedding->prior.make_index();
 }
 
 /// The columns of F for the light on scene points, and the prior made of it.
@@ -239,21 +245,26 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   const at::NoGradGuard no_grad;
   if (options.check_values) check_queries(queries);
   const int64_t Q = queries.position.size(0);
-  // Light is linear: without emission there is no irradiance, whatever the network would say.
-  if (embedding.emission_scale.max().item<double>() == 0) return at::zeros_like(queries.position);
-  at::Tensor out = at::empty({Q, 3}, embedding.features.options());
+  if (is_dark(embedding.emission_scale)) return at::zeros_like(queries.position);
   LatentTables latents;
   if (!embedding.table.defined()) latents = parts_->decoder->latent_tables(embedding.features);
   const bool fused = embedding.table.defined() && !is_training();
   const int64_t fast = fused ? kTableBlock : kQueryBlock;
   const int64_t size = options.block > 0 ? std::min(options.block, fast) : fast;
-  for (int64_t begin = 0; begin < Q; begin += size) {
-    const int64_t count = std::min(size, Q - begin);
-    const QuerySet block = block_of(queries, begin, count);
-    out.narrow(0, begin, count)
-        .copy_(fused                       ? parts_->decode_ordered(embedding, block)
-               : embedding.table.defined() ? parts_->decode(embedding, block)
-                                           : parts_->decode({embedding}, {block}, latents)[0]);
+  const auto answer = [&](const QuerySet& block) {
+    return fused                       ? parts_->decode_ordered(embedding, block)
+           : embedding.table.defined() ? parts_->decode(embedding, block)
+                                       : parts_->decode({embedding}, {block}, latents)[0];
+  };
+  at::Tensor out;
+  if (Q > 0 && Q <= size) {
+    out = answer(queries);
+  } else {
+    out = at::empty({Q, 3}, embedding.features.options());
+    for (int64_t begin = 0; begin < Q; begin += size) {
+      const int64_t count = std::min(size, Q - begin);
+      out.narrow(0, begin, count).copy_(answer(block_of(queries, begin, count)));
+    }
   }
   scale_channels(embedding.emission_scale, 1, &out);
   return out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include "lte/nn/precision.h"
 #include "lte/nn/stage_health.h"
 #include "lte/nn/surfels.h"
+#include "lte/ops/knn.h"
+#include "lte/ops/query_decoder.h"
 
 namespace lte::nn {
 
@@ -37,8 +40,13 @@ struct Embedding {
   /// ops::neighbour_table() of all layers, which encode() makes outside training; else undefined.
   at::Tensor table;
   at::Tensor radiance_table;  ///< the same of the radiance decoder, of models that have one
-  LightPrior prior;           ///< of models that read light
-  Surfels surfels;            ///< of models that predict radiance
+  /// What a call of few queries would spend its time on, made with the tables on the CPU: the
+  /// neighbour search over `position`, and both decoders' weights. They belong to the table: it,
+  /// too, is of the weights of then.
+  std::shared_ptr<const ops::KnnIndex> nearest;
+  std::shared_ptr<const ops::PackedDecoder> weights, radiance_weights;
+  LightPrior prior;  ///< of models that read light
+  Surfels surfels;   ///< of models that predict radiance
 };
 
 /// Several scenes that were embedded in one pass.
@@ -133,8 +141,8 @@ class LightTransportModelImpl : public torch::nn::Module {
   at::Tensor decode_radiance(const Embedding& embedding, const QuerySet& queries,
                              const at::Tensor& directions, const DecodeOptions& options = {});
 
-  /// Makes the tables that decode() and decode_radiance() read, of features in float32, unless they
-  /// are there.
+  /// Makes what decode() and decode_radiance() read, of features in float32: the tables, unless
+  /// they are there, and on the CPU what stands beside them in the embedding.
   void make_tables(Embedding* embedding);
 
   const ModelConfig& config() const { return config_; }

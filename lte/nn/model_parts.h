@@ -39,8 +39,15 @@ inline QuerySet block_of(const QuerySet& queries, int64_t begin, int64_t count) 
 /// Multiplies the channels, which are the last axis, by the scene's scales and by `factor`. By
 /// number: a tensor's way to a GPU would be waited for.
 inline void scale_channels(const at::Tensor& emission_scale, double factor, at::Tensor* out) {
-  for (int64_t c = 0; c < 3; ++c)
-    out->select(-1, c).mul_(emission_scale[c].item<double>() * factor);
+  const auto scale = emission_scale.accessor<double, 1>();
+  for (int64_t c = 0; c < 3; ++c) out->select(-1, c).mul_(scale[c] * factor);
+}
+
+/// Whether nothing in the scene shines. Light is linear: then there is none, whatever the network
+/// would say.
+inline bool is_dark(const at::Tensor& emission_scale) {
+  const auto scale = emission_scale.accessor<double, 1>();
+  return !(scale[0] > 0) && !(scale[1] > 0) && !(scale[2] > 0);
 }
 
 struct LightTransportModelImpl::Parts {
@@ -72,9 +79,9 @@ struct LightTransportModelImpl::Parts {
   /// [Q, 3] over the emission scale, from the embedding's table.
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries) {
     const Input input = input_of(embedding, queries);
-    const at::Tensor answer =
-        decoder->infer(input.attributes, input.queries.query, input.queries.anchor,
-                       embedding.spacing, embedding.table);
+    const at::Tensor answer = decoder->infer(
+        input.attributes, input.queries.query, input.queries.anchor, embedding.spacing,
+        embedding.table, {embedding.nearest.get(), embedding.weights.get()});
     return input.light.defined() ? input.light * answer : answer;
   }
 
@@ -114,7 +121,8 @@ struct LightTransportModelImpl::Parts {
   /// decode() from the table, on the CPU with the queries in an order in which neighbours share
   /// latents.
   at::Tensor decode_ordered(const Embedding& embedding, const QuerySet& queries) {
-    if (!queries.position.is_cpu()) return decode(embedding, queries);
+    if (!queries.position.is_cpu() || queries.position.size(0) == 1)
+      return decode(embedding, queries);
     const at::Tensor order = ops::spatial_order(queries.position.contiguous());
     const at::Tensor answer = decode(embedding, rows_of(queries, order));
     return at::empty_like(answer).index_copy_(0, order, answer);

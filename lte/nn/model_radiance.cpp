@@ -64,9 +64,9 @@ at::Tensor LightTransportModelImpl::radiance_of_block(const Embedding& embedding
       Parts::input_of(embedding, ordered ? rows_of(queries, order) : queries);
   const at::Tensor ways = ordered ? directions.index_select(0, order) : directions;
   const at::Tensor seen = embedding.surfels.see(input.queries.query.position, ways);
-  const at::Tensor features =
-      parts_->radiance->query()->infer(input.attributes, input.queries.query, input.queries.anchor,
-                                       embedding.spacing, embedding.radiance_table);
+  const at::Tensor features = parts_->radiance->query()->infer(
+      input.attributes, input.queries.query, input.queries.anchor, embedding.spacing,
+      embedding.radiance_table, {embedding.nearest.get(), embedding.radiance_weights.get()});
   const at::Tensor answer = parts_->radiance->radiance(features, ways, input.light, seen);
   return ordered ? at::empty_like(answer).index_copy_(0, order, answer) : answer;
 }
@@ -84,8 +84,7 @@ at::Tensor LightTransportModelImpl::decode_radiance(const Embedding& embedding,
   }
   const int64_t Q = queries.position.size(0), N = directions.size(1);
   at::Tensor out = at::zeros({Q, N, 3}, embedding.features.options());
-  // Light is linear: without emission there is none, whatever the network would say.
-  if (embedding.emission_scale.max().item<double>() == 0) return out;
+  if (is_dark(embedding.emission_scale)) return out;
   const int64_t size = query_block(options.block, N);
   for (int64_t begin = 0; begin < Q; begin += size) {
     const int64_t count = std::min(size, Q - begin);

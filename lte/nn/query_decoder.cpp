@@ -284,16 +284,29 @@ ops::DecoderWeights QueryDecoderImpl::weights() const {
       point_->weights(), gamma_->weights(), layers, {norm_->weight, norm_->bias}, head_->weights()};
 }
 
+std::shared_ptr<const ops::KnnIndex> QueryDecoderImpl::index(const at::Tensor& anchor) const {
+  return std::make_shared<const ops::KnnIndex>(anchor, neighbours_);
+}
+
+std::shared_ptr<const ops::PackedDecoder> QueryDecoderImpl::packed() const {
+  return ops::pack_decoder(weights());
+}
+
 at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const Surface& query,
-                                   const Surface& anchor, double spacing, const at::Tensor& table) {
+                                   const Surface& anchor, double spacing, const at::Tensor& table,
+                                   const Prepared& prepared) {
   if (!is_training()) {  // dropout needs the layers one by one
-    ops::QueryNeighbourhood near{query.position, anchor.position,
-                                 nearest(query.position, anchor.position), 1 / spacing,
-                                 kOffsetLimit};
+    const at::Tensor index =
+        prepared.nearest != nullptr
+            ? std::get<0>(prepared.nearest->search(query.position.to(at::kFloat).contiguous()))
+            : nearest(query.position, anchor.position);
+    ops::QueryNeighbourhood near{query.position, anchor.position, index, 1 / spacing, kOffsetLimit};
     if (reads_normals_) {
       near.normal = query.normal;
       near.anchor_normal = anchor.normal;
     }
+    if (prepared.weights != nullptr)
+      return ops::query_decoder_inference(attributes, near, table, *prepared.weights);
     return ops::query_decoder_inference(attributes, near, table, weights());
   }
   const Neighbourhood near = neighbourhood(query, anchor, spacing);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <tuple>
 #include <vector>
 
@@ -18,6 +19,8 @@
 #include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
 #include "lte/ops/decoder_weights.h"
+#include "lte/ops/knn.h"
+#include "lte/ops/query_decoder.h"
 
 namespace lte::nn {
 
@@ -123,10 +126,23 @@ class QueryDecoderImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& attributes, const std::vector<SceneQueries>& scenes,
                      const LatentTables& latents);
 
+  /// What infer() makes at each call where it is not given: index() of the anchors, and packed().
+  struct Prepared {
+    const ops::KnnIndex* nearest = nullptr;
+    const ops::PackedDecoder* weights = nullptr;
+  };
+  /// On the CPU alone.
+  std::shared_ptr<const ops::KnnIndex> index(const at::Tensor& anchor) const;
+  std::shared_ptr<const ops::PackedDecoder> packed() const;
+
   /// forward() from table(); float32, no gradients. Outside training everything is one operator.
   /// `query`, `anchor` and `spacing` are those of neighbourhood().
   at::Tensor infer(const at::Tensor& attributes, const Surface& query, const Surface& anchor,
-                   double spacing, const at::Tensor& table);
+                   double spacing, const at::Tensor& table, const Prepared& prepared);
+  at::Tensor infer(const at::Tensor& attributes, const Surface& query, const Surface& anchor,
+                   double spacing, const at::Tensor& table) {
+    return infer(attributes, query, anchor, spacing, table, {});
+  }
 
   /// What each layer takes from which latent, as the equations have it: nothing is factored, fused
   /// or summed over neighbours before it is kept.

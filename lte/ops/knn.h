@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <tuple>
 
 #include <ATen/core/Tensor.h>
@@ -22,5 +23,23 @@ namespace lte::ops {
 ///       agree bit for bit. Not differentiable.
 std::tuple<at::Tensor, at::Tensor> knn(const at::Tensor& queries, const at::Tensor& points,
                                        int64_t k);
+
+/// Points that are searched again and again: what knn() builds of them on the CPU, built once. Any
+/// number of threads may search at the same time.
+class KnnIndex {
+ public:
+  /// @param points  as knn()'s, on the CPU, at least one; they are copied
+  /// @throws c10::Error as knn()
+  KnnIndex(const at::Tensor& points, int64_t k);
+  ~KnnIndex();
+
+  /// What knn() gives for the points and k, to the last bit.
+  /// @throws c10::Error as knn()
+  std::tuple<at::Tensor, at::Tensor> search(const at::Tensor& queries) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
 
 }  // namespace lte::ops

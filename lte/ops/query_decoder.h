@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include <ATen/core/Tensor.h>
 #include <ATen/core/TensorBody.h>
@@ -42,9 +43,21 @@ struct QueryNeighbourhood {
 at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeighbourhood& near,
                                    const at::Tensor& table, const DecoderWeights& weights);
 
-/// The same for training: differentiable once in table and weights, not in the queries. The
-/// backward pass computes a tile's intermediates again, so that nothing of the size of queries ×
-/// neighbours is ever in memory.
+/// A decoder's weights as the CPU's tiles read them.
+struct PackedDecoder;
+
+/// @param weights  as query_decoder_inference() takes them, on the CPU; they are copied
+/// @throws c10::Error on a wrong shape, dtype or device
+std::shared_ptr<const PackedDecoder> pack_decoder(const DecoderWeights& weights);
+
+/// The same from weights that were packed before, which takes a call of few queries most of its
+/// time. CPU only; the same bits.
+at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeighbourhood& near,
+                                   const at::Tensor& table, const PackedDecoder& weights);
+
+/// query_decoder_inference() for training: differentiable once in table and weights, not in the
+/// queries. The backward pass computes a tile's intermediates again, so that nothing of the size of
+/// queries × neighbours is ever in memory.
 ///
 /// @param weights  float32; dense ones but that of `gamma.hidden` may have a rounding, by which
 ///                 mixed precision rounds inputs and gradients too as products read them

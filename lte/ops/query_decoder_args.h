@@ -92,16 +92,21 @@ inline void check_decoder_weights(const DecoderWeights& w, int64_t attributes, i
   check.linear(w.head.output, w.head.hidden.outputs(), "head.output");
 }
 
-inline DecoderSizes check_query_decoder_args(const at::Tensor& attributes,
-                                             const QueryNeighbourhood& near,
-                                             const at::Tensor& table, const DecoderWeights& w) {
+/// What the weights fix of the sizes.
+struct DecoderShape {
+  int64_t attributes, channels, gamma_inputs, gamma_hidden, outputs;
+};
+
+/// Checks everything but the weights.
+/// @param shape  all but the number of attributes and of γ's inputs, which are the queries'
+inline DecoderSizes check_decoder_queries(const at::Tensor& attributes,
+                                          const QueryNeighbourhood& near, const at::Tensor& table,
+                                          const DecoderShape& shape) {
   const char* op = "query_decoder_inference";
   TORCH_CHECK(attributes.dim() == 2 && attributes.scalar_type() == at::kFloat, op,
               ": attributes must be [Q, A] float32, got ", attributes.sizes(), " ",
               attributes.scalar_type());
-  TORCH_CHECK(w.gamma.output.weight.dim() == 2, op, ": gamma.output must be [C, H], got ",
-              w.gamma.output.weight.sizes());
-  const int64_t Q = attributes.size(0), C = w.gamma.output.outputs();
+  const int64_t Q = attributes.size(0), C = shape.channels;
   const TableSizes sizes = check_table(table, C, op);
   check_shape(near.position, {Q, 3}, at::kFloat, op, "position");
   TORCH_CHECK(near.anchor.dim() == 2 && near.anchor.size(0) == sizes.latents, op,
@@ -122,9 +127,21 @@ inline DecoderSizes check_query_decoder_args(const at::Tensor& attributes,
     check_device(t, "the queries and anchors", table, "tables", op);
   }
   const int64_t gamma_inputs = near.normal.defined() ? kNormalInputs : kOffsetInputs;
-  check_decoder_weights(w, attributes.size(1), gamma_inputs, C, table.device());
-  return {Q, attributes.size(1), near.index.size(1),       sizes.layers,           sizes.latents,
-          C, gamma_inputs,       w.gamma.hidden.outputs(), w.head.output.outputs()};
+  return {Q, attributes.size(1), near.index.size(1), sizes.layers, sizes.latents,
+          C, gamma_inputs,       shape.gamma_hidden, shape.outputs};
+}
+
+inline DecoderSizes check_query_decoder_args(const at::Tensor& attributes,
+                                             const QueryNeighbourhood& near,
+                                             const at::Tensor& table, const DecoderWeights& w) {
+  const char* op = "query_decoder_inference";
+  const at::Tensor &gamma = w.gamma.output.weight, &head = w.head.output.weight;
+  TORCH_CHECK(gamma.dim() == 2, op, ": gamma.output must be [C, H], got ", gamma.sizes());
+  TORCH_CHECK(head.dim() == 2, op, ": head.output must be [O, C], got ", head.sizes());
+  const DecoderSizes sizes = check_decoder_queries(
+      attributes, near, table, {0, gamma.size(0), 0, gamma.size(1), head.size(0)});
+  check_decoder_weights(w, sizes.attributes, sizes.gamma_inputs, sizes.channels, table.device());
+  return sizes;
 }
 
 /// The same backwards; `sums` are those of the forward pass.

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <utility>
 
+#include <ATen/core/LegacyTypeDispatch.h>
 #include <ATen/core/grad_mode.h>
 #include <ATen/ops/tensor.h>
 #include <c10/core/DeviceGuard.h>
@@ -216,6 +217,8 @@ const nn::EncoderAttention* TorchParts::attention(const SceneEmbedding& embeddin
 at::Tensor TorchParts::decode(const SceneEmbedding& embedding, const nn::QuerySet& queries,
                               const nn::DecodeOptions& options) {
   const at::NoGradGuard no_grad;
+  // For few queries the way to an operator takes as long as the operator.
+  const at::AutoDispatchBelowADInplaceOrView straight;
   const c10::Device device = torch_device(embedding.network().device());
   const c10::DeviceGuard guard(device);
   return model(embedding.network())

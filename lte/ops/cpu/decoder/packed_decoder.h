@@ -20,6 +20,7 @@ struct PackedLayer {
 };
 
 struct PackedDecoder {
+  DecoderShape shape;
   PackedLinear point_hidden, point_output;
   /// [H, F + 1]; where γ's output is in bfloat16 [F + 1, 2 hidden_pairs(H)] instead.
   std::vector<float> gamma_hidden;
@@ -51,7 +52,9 @@ inline PackedDecoder pack(const DecoderWeights& w) {
     layers.push_back({norm(layer.norm1), linear(layer.query), linear(layer.output),
                       norm(layer.norm2), linear(layer.ffn.hidden), linear(layer.ffn.output)});
   }
-  return {linear(w.point.hidden),
+  return {{w.point.hidden.inputs(), w.gamma.output.outputs(), w.gamma.hidden.inputs(),
+           w.gamma.hidden.outputs(), w.head.output.outputs()},
+          linear(w.point.hidden),
           linear(w.point.output),
           pack_gamma_hidden(w.gamma.hidden, w.gamma.output.weight.scalar_type() == at::kBFloat16),
           linear(w.gamma.output),
@@ -69,10 +72,13 @@ struct DecoderInputs {
 
   DecoderInputs(const at::Tensor& any_attributes, const QueryNeighbourhood& any,
                 const at::Tensor& of_latents, const DecoderWeights& weights)
-      : attributes(any_attributes.contiguous()),
-        table(of_latents),
-        near(any),
-        sizes(check_query_decoder_args(any_attributes, any, of_latents, weights)) {
+      : DecoderInputs(any_attributes, any, of_latents,
+                      check_query_decoder_args(any_attributes, any, of_latents, weights)) {}
+
+  /// @param checked  of these arguments
+  DecoderInputs(const at::Tensor& any_attributes, const QueryNeighbourhood& any,
+                const at::Tensor& of_latents, const DecoderSizes& checked)
+      : attributes(any_attributes.contiguous()), table(of_latents), near(any), sizes(checked) {
     for (at::Tensor* t :
          {&near.position, &near.anchor, &near.index, &near.normal, &near.anchor_normal}) {
       if (t->defined()) *t = t->contiguous();

@@ -4,6 +4,7 @@
 // products wait for them.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct Work {
   const int64_t* index;
   float* sums;  ///< of all queries, [Q, blocks, L, 2, kBlock], or null: they are not kept
   float* out;
+  int64_t tile;  ///< most queries of a tile
 };
 
 /// One thread's working memory.
@@ -45,23 +47,24 @@ class TileDecoder {
         H_(work.sizes.gamma_hidden),
         blocks_(blocks_of(C_)),
         pairs_(blocks_of(K_) * kBlock),
-        input_(kTile, work.sizes.attributes),
-        features_(kTile, C_),
-        normed_(kTile, C_),
-        attended_(kTile, C_),
-        hidden_(kTile, kPanel),
-        answer_(kTile, work.sizes.outputs),
-        sums_(work.sums != nullptr ? 0 : static_cast<size_t>(kTile * blocks_ * L_ * kPair)),
+        subtile_(std::min(kSubtile, work.tile)),
+        input_(work.tile, work.sizes.attributes),
+        features_(work.tile, C_),
+        normed_(work.tile, C_),
+        attended_(work.tile, C_),
+        hidden_(work.tile, kPanel),
+        answer_(work.tile, work.sizes.outputs),
+        sums_(work.sums != nullptr ? 0 : static_cast<size_t>(work.tile * blocks_ * L_ * kPair)),
         geometry_(static_cast<size_t>(work.sizes.gamma_inputs * pairs_)),
         activation_(work.net.gamma_output.in_bf16() ? 0
-                                                    : static_cast<size_t>(kSubtile * H_ * pairs_)),
+                                                    : static_cast<size_t>(subtile_ * H_ * pairs_)),
         rounded_(work.net.gamma_output.in_bf16()
-                     ? static_cast<size_t>(kSubtile * pairs_ * hidden_pairs(H_))
+                     ? static_cast<size_t>(subtile_ * pairs_ * hidden_pairs(H_))
                      : 0),
         pair_position_(
             static_cast<size_t>(kProjectedQueries * kProjectedBlocks * pairs_ * kBlock)) {}
 
-  /// Queries [first, first + rows), at most kTile.
+  /// Queries [first, first + rows), at most Work::tile.
   void run(int64_t first, int64_t rows) {
     const PackedDecoder& net = work_.net;
     for (int64_t i = 0; i < rows; ++i) {
@@ -71,8 +74,8 @@ class TileDecoder {
       }
     }
     perceptron(net.point_hidden, net.point_output, input_, rows, false, hidden_, features_);
-    for (int64_t i = 0; i < rows; i += kSubtile) {
-      sum_neighbours(first + i, std::min(kSubtile, rows - i),
+    for (int64_t i = 0; i < rows; i += subtile_) {
+      sum_neighbours(first + i, std::min(subtile_, rows - i),
                      sums_of(first) + i * blocks_ * L_ * kPair);
     }
     for (int64_t l = 0; l < L_; ++l) run_layer(net.layers[l], l, sums_of(first), rows);
@@ -150,17 +153,20 @@ class TileDecoder {
   int64_t K_, L_, C_, H_;  ///< work's sizes
   int64_t blocks_;         ///< of channels
   int64_t pairs_;          ///< K, rounded up to whole blocks
+  int64_t subtile_;        ///< queries whose activations of γ exist at once
   Tile input_, features_, normed_, attended_, hidden_, answer_;
-  std::vector<float> sums_;           ///< [kTile, blocks, L, 2, kBlock], unless they are kept
+  std::vector<float> sums_;           ///< [tile, blocks, L, 2, kBlock], unless they are kept
   std::vector<float> geometry_;       ///< [F, pairs] of one query
-  std::vector<float> activation_;     ///< [kSubtile, H, pairs]
-  std::vector<uint32_t> rounded_;     ///< [kSubtile, pairs, hidden_pairs(H)], in bfloat16 instead
+  std::vector<float> activation_;     ///< [subtile, H, pairs]
+  std::vector<uint32_t> rounded_;     ///< [subtile, pairs, hidden_pairs(H)], in bfloat16 instead
   std::vector<float> pair_position_;  ///< of as many queries and blocks as exist at once
 };
 
-at::Tensor decode(const DecoderInputs& in, const DecoderWeights& weights, float* sums) {
+at::Tensor decode(const DecoderInputs& in, const PackedDecoder& net, float* sums) {
   const int64_t Q = in.sizes.queries;
-  const PackedDecoder net = pack(weights);
+  // Few queries make smaller tiles, so that all threads have some.
+  const int64_t share = (Q + at::get_num_threads() - 1) / at::get_num_threads();
+  const int64_t tile = std::min(kTile, (share + kRowsAtOnce - 1) / kRowsAtOnce * kRowsAtOnce);
   at::Tensor out = at::empty({Q, in.sizes.outputs}, in.attributes.options());
   const Work work{net,
                   in.sizes,
@@ -170,10 +176,8 @@ at::Tensor decode(const DecoderInputs& in, const DecoderWeights& weights, float*
                   in.table.stride(0),
                   in.near.index.const_data_ptr<int64_t>(),
                   sums,
-                  out.data_ptr<float>()};
-  // Few queries make smaller tiles, so that all threads have some.
-  const int64_t share = (Q + at::get_num_threads() - 1) / at::get_num_threads();
-  const int64_t tile = std::min(kTile, (share + kRowsAtOnce - 1) / kRowsAtOnce * kRowsAtOnce);
+                  out.data_ptr<float>(),
+                  tile};
   const int64_t tiles = tile > 0 ? (Q + tile - 1) / tile : 0;
   at::parallel_for(0, tiles, 1, [&](int64_t begin, int64_t end) {
     TileDecoder decoder(work);
@@ -193,7 +197,7 @@ at::Tensor query_decoder_inference_cpu(const at::Tensor& attributes, const at::T
                          {position, anchor, index, scale, limit, normal.value_or(at::Tensor()),
                           anchor_normal.value_or(at::Tensor())},
                          table, weights);
-  return decode(in, weights, nullptr);
+  return decode(in, pack(weights), nullptr);
 }
 
 std::tuple<at::Tensor, at::Tensor> query_decoder_cpu(
@@ -208,11 +212,36 @@ std::tuple<at::Tensor, at::Tensor> query_decoder_cpu(
   at::Tensor sums =
       at::empty({in.sizes.queries, blocks_of(in.sizes.channels), in.sizes.layers, 2, kBlock},
                 attributes.options());
-  at::Tensor out = decode(in, weights, sums.data_ptr<float>());
+  at::Tensor out = decode(in, pack(weights), sums.data_ptr<float>());
   return {out, sums};
 }
 
 }  // namespace
+
+std::shared_ptr<const PackedDecoder> pack_decoder(const DecoderWeights& weights) {
+  const at::Tensor &point = weights.point.hidden.weight, &gamma = weights.gamma.hidden.weight,
+                   &places = weights.gamma.output.weight;
+  for (const at::Tensor& t : {point, gamma, places})
+    TORCH_CHECK(t.dim() == 2, "query_decoder_inference: dense weights must be matrices, got ",
+                t.sizes());
+  check_decoder_weights(weights, point.size(1), gamma.size(1), places.size(0), at::kCPU);
+  return std::make_shared<const PackedDecoder>(pack(weights));
+}
+
+at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeighbourhood& near,
+                                   const at::Tensor& table, const PackedDecoder& weights) {
+  const DecoderShape& shape = weights.shape;
+  const DecoderSizes sizes = check_decoder_queries(attributes, near, table, shape);
+  const auto layers = static_cast<int64_t>(weights.layers.size());
+  TORCH_CHECK(table.is_cpu() && sizes.attributes == shape.attributes &&
+                  sizes.gamma_inputs == shape.gamma_inputs && sizes.layers == layers,
+              "query_decoder_inference: packed weights of ", layers, " layers read ",
+              shape.attributes, " attributes and ", shape.gamma_inputs,
+              " numbers of a pair on the CPU, got ", sizes.layers, ", ", sizes.attributes, " and ",
+              sizes.gamma_inputs, " on ", table.device());
+  return decode(DecoderInputs(attributes, near, table, sizes), weights, nullptr);
+}
+
 }  // namespace lte::ops
 
 TORCH_LIBRARY_IMPL(lte, CPU, m) {

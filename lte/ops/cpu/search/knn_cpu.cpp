@@ -24,6 +24,7 @@
 #include "lte/ops/cpu/search/kd_tree.h"
 #include "lte/ops/cpu/search/radix_sort.h"
 #include "lte/ops/curve_codes_kernel.h"
+#include "lte/ops/knn.h"
 #include "lte/ops/knn_args.h"
 
 namespace lte::ops {
@@ -219,24 +220,57 @@ uint32_t place_in_leaf(const KdTree::Node& node, const float* query) {
 std::tuple<at::Tensor, at::Tensor> knn_cpu(const at::Tensor& queries, const at::Tensor& points,
                                            int64_t k) {
   check_knn_args(queries, points, k);
-  const int64_t Q = queries.size(0), N = points.size(0), K = std::min(k, N);
+  if (queries.size(0) > 0) return KnnIndex(points, k).search(queries);
+  const int64_t K = std::min(k, points.size(0));
+  return {at::empty({0, K}, queries.options().dtype(at::kLong)),
+          at::empty({0, K}, queries.options())};
+}
+
+}  // namespace
+
+struct KnnIndex::Parts {
+  // Of points that coincide, only the K lowest rows can be among the K nearest of anything.
+  Parts(const at::Tensor& points, int64_t k)
+      : K(std::min(k, points.size(0))),
+        tree(points.const_data_ptr<float>(), points.size(0), kLeafSize, K),
+        boxes(tree),
+        leaf_number(tree.nodes.size()) {
+    for (size_t i = 0; i < tree.leaves.size(); ++i) {
+      leaf_number[tree.leaves[i]] = static_cast<int32_t>(i);
+    }
+  }
+
+  int64_t K;
+  KdTree tree;
+  BoxLevels boxes;
+  std::vector<int32_t> leaf_number;  ///< of a node that is a leaf
+};
+
+KnnIndex::KnnIndex(const at::Tensor& points, int64_t k) {
+  check_knn_points(points, k);
+  TORCH_CHECK(points.is_cpu() && points.size(0) >= 1, "knn: an index needs points on the CPU, got ",
+              points.size(0), " on ", points.device());
+  parts_ = std::make_unique<const Parts>(points, k);
+}
+
+KnnIndex::~KnnIndex() = default;
+
+std::tuple<at::Tensor, at::Tensor> KnnIndex::search(const at::Tensor& queries) const {
+  check_knn_queries(queries);
+  TORCH_CHECK(queries.is_cpu(), "knn: an index takes queries on the CPU, got ", queries.device());
+  const int64_t K = parts_->K;
+  const KdTree& tree = parts_->tree;
+  const int64_t Q = queries.size(0);
   at::Tensor index = at::empty({Q, K}, queries.options().dtype(at::kLong));
   at::Tensor distance = at::empty({Q, K}, queries.options());
-  if (Q == 0) return {index, distance};
-  // Of points that coincide, only the K lowest rows can be among the K nearest of anything.
-  const KdTree tree(points.const_data_ptr<float>(), N, kLeafSize, K);
-  const BoxLevels boxes(tree);
   const auto* q = queries.const_data_ptr<float>();
-  std::vector<int32_t> leaf(Q), leaf_number(tree.nodes.size());
-  for (size_t i = 0; i < tree.leaves.size(); ++i) {
-    leaf_number[tree.leaves[i]] = static_cast<int32_t>(i);
-  }
+  std::vector<int32_t> leaf(Q);
   const int place_bits = tree.leaves.size() < (1u << 23) ? 9 : 0;
   std::vector<uint32_t> key(Q);
   at::parallel_for(0, Q, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       leaf[i] = tree.find_leaf(q + 3 * i);
-      key[i] = static_cast<uint32_t>(leaf_number[leaf[i]]) << place_bits;
+      key[i] = static_cast<uint32_t>(parts_->leaf_number[leaf[i]]) << place_bits;
       if (place_bits != 0) key[i] |= place_in_leaf(tree.nodes[leaf[i]], q + 3 * i);
     }
   });
@@ -244,13 +278,12 @@ std::tuple<at::Tensor, at::Tensor> knn_cpu(const at::Tensor& queries, const at::
   auto* out_index = index.data_ptr<int64_t>();
   auto* out_distance = distance.data_ptr<float>();
   at::parallel_for(0, Q, kChunk, [&](int64_t begin, int64_t end) {
-    Search search(tree, boxes, K);
+    Search search(tree, parts_->boxes, K);
     search.run(q, order.data() + begin, leaf.data(), end - begin, out_index, out_distance);
   });
   return {index, distance};
 }
 
-}  // namespace
 }  // namespace lte::ops
 
 TORCH_LIBRARY_IMPL(lte, CPU, m) { m.impl("knn", lte::ops::knn_cpu); }
