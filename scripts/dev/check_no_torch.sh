@@ -7,7 +7,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=${1:-build}
-tools=("$build"/lib/liblte_{embed,infer,render_command,probe_command,view_lib}.a)
+tools=("$build"/lib/liblte_{embed,infer,render_command,probe_command,view_server}.a)
 for library in "${tools[@]}"; do
   [ -e "$library" ] || { echo "check_no_torch: there is no $library" >&2; exit 2; }
 done

@@ -1,5 +1,5 @@
-// The tools of a build without LibTorch: pictures and points by gathered light and by paths, and one
-// line for who wants a network.
+// The tools of a build without LibTorch: pictures and points by gathered light and by paths, and
+// one line where a network is wanted.
 #include <filesystem>
 
 #include <gtest/gtest.h>
