@@ -165,5 +165,31 @@ TEST(KnnOnTheCpu, RefusesWhatIsNotFinite) {
   EXPECT_TRUE(throws_saying([&] { knn(good, bad, 1); }, "row 1 of points is not finite"));
 }
 
+TEST(KnnIndex, AnswersAsKnnDoes) {
+  for (const int64_t N : {1, 7, 40, 3000}) {
+    const at::Tensor points = test::uniform({N, 3}, 31);
+    for (const int64_t k : {1, 8, 32}) {
+      const KnnIndex index(points, k);
+      for (const int64_t Q : {0, 1, 2, 255, 256, 1025}) {
+        const at::Tensor queries = test::uniform({Q, 3}, 32 + static_cast<uint64_t>(Q));
+        const auto [found, distance] = index.search(queries);
+        const auto [expected, expected_distance] = knn(queries, points, k);
+        EXPECT_TRUE(at::equal(found, expected)) << N << " points, " << Q << " queries, k " << k;
+        EXPECT_TRUE(at::equal(distance, expected_distance));
+      }
+    }
+  }
+}
+
+TEST(KnnIndex, RefusesWhatKnnRefuses) {
+  const at::Tensor good = test::uniform({4, 3}, 33);
+  at::Tensor bad = good.clone();
+  bad[2][1] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(throws_saying([&] { KnnIndex(bad, 1); }, "row 2 of points is not finite"));
+  EXPECT_TRUE(throws_saying([&] { KnnIndex(good, 0); }, "k must be at least 1"));
+  EXPECT_TRUE(throws_saying([&] { KnnIndex(at::zeros({0, 3}), 1); }, "needs points"));
+  EXPECT_TRUE(throws_saying([&] { KnnIndex(good, 1).search(bad); }, "row 2 of queries"));
+}
+
 }  // namespace
 }  // namespace lte::ops

@@ -233,5 +233,36 @@ TEST(DecoderWeights, SurviveTheListInTheirOrder) {
                                   "1 layers have 26 weights, got 38"));
 }
 
+TEST(PackedDecoder, GivesTheSameBitsAtEachCall) {
+  for (const bool normals : {false, true}) {
+    for (const int64_t Q : {0, 1, 5, 200}) {
+      const Case c({Q, 30, 5, 32, 2, 24, normals}, 2, 1.5);
+      const at::Tensor table = neighbour_table(c.keys, c.values);
+      const auto packed = pack_decoder(c.weights);
+      const at::Tensor expected = query_decoder_inference(c.attributes, c.near, table, c.weights);
+      for (int call = 0; call < 2; ++call)
+        EXPECT_TRUE(
+            at::equal(query_decoder_inference(c.attributes, c.near, table, *packed), expected));
+    }
+  }
+}
+
+TEST(PackedDecoder, RefusesOtherSizes) {
+  const Case c({5, 30, 5, 32, 2, 24}, 2, 1.5), deeper({5, 30, 5, 32, 3, 24}, 2, 1.5),
+      facing({5, 30, 5, 32, 2, 24, true}, 2, 1.5);
+  const auto packed = pack_decoder(c.weights);
+  const auto refused = [&](const Case& given, const at::Tensor& attributes) {
+    const at::Tensor table = neighbour_table(given.keys, given.values);
+    return test::throws_saying(
+        [&] { query_decoder_inference(attributes, given.near, table, *packed); }, "packed weights");
+  };
+  EXPECT_TRUE(refused(deeper, deeper.attributes));
+  EXPECT_TRUE(refused(facing, facing.attributes));
+  EXPECT_TRUE(refused(c, floats({5, 8}, 1)));
+  DecoderWeights wrong = c.weights;
+  wrong.norm.gain = floats({31}, 2);
+  EXPECT_TRUE(test::throws_saying([&] { pack_decoder(wrong); }, "norm"));
+}
+
 }  // namespace
 }  // namespace lte::ops

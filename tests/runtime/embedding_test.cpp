@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <ATen/ATen.h>
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "lte/nn/cost.h"
 #include "lte/nn/model_file.h"
 #include "lte/radiosity/point_radiosity.h"
 #include "lte/runtime/device.h"
@@ -135,6 +137,64 @@ TEST(SceneEmbedding, DoesNotDependOnTheBlock) {
     EXPECT_LT(
         test::relative_difference(TorchParts::decode(embedding, queries, {true, block}), whole),
         1e-5);
+  }
+}
+
+/// Models with and without light at their points, and with a radiance decoder.
+std::vector<nn::ModelConfig> kinds() {
+  nn::ModelConfig plain = test::tiny_config(), radiosity = plain, radiance = plain;
+  radiosity.light_input = radiance.light_input = nn::LightInput::Radiosity;
+  radiance.radiance_lobes = 4;
+  return {plain, radiosity, radiance};
+}
+
+TEST(SceneEmbedding, WhatIsMadeOnceChangesNoBit) {
+  for (const nn::ModelConfig& config : kinds()) {
+    const Network network = tiny_network(config);
+    const nn::PointSet points = test::box_scene(300, 31);
+    const nn::QuerySet queries = test::box_queries(90, 32);
+    const SceneEmbedding embedding(network, arrays(points));
+    nn::Embedding parts = TorchParts::embedding(embedding);
+    EXPECT_TRUE(parts.nearest && parts.weights);
+    EXPECT_EQ(parts.prior.nearest != nullptr, config.reads_light());
+    parts.nearest = parts.prior.nearest = nullptr;
+    parts.weights = parts.radiance_weights = nullptr;
+    const SceneEmbedding bare = TorchParts::from(network, parts, 300, {});
+    for (const int64_t count : {1, 7, 90}) {
+      const nn::QuerySet some = {queries.position.narrow(0, 0, count),
+                                 queries.normal.narrow(0, 0, count),
+                                 queries.albedo.narrow(0, 0, count)};
+      EXPECT_EQ(embedding.decode(arrays(some)), bare.decode(arrays(some)));
+      if (config.predicts_radiance()) {
+        EXPECT_EQ(embedding.decode_radiance(arrays(some), arrays(some).normal),
+                  bare.decode_radiance(arrays(some), arrays(some).normal));
+      }
+    }
+  }
+}
+
+TEST(SceneEmbedding, ThreadsGetTheAnswersOfOne) {
+  for (const nn::ModelConfig& config : kinds()) {
+    const nn::PointSet points = test::box_scene(300, 33);
+    const nn::QuerySet queries = test::box_queries(64, 34);
+    const SceneEmbedding embedding(tiny_network(config), arrays(points));
+    const QueryPoints all = arrays(queries);
+    const auto one_by_one = [&] {
+      std::vector<Rgb> out;
+      for (size_t i = 0; i < 64; ++i) {
+        const QueryPoints one{all.position.subspan(i, 1), all.normal.subspan(i, 1),
+                              all.albedo.subspan(i, 1)};
+        out.push_back(embedding.decode(one).front());
+      }
+      return out;
+    };
+    const std::vector<Rgb> expected = one_by_one();
+    std::vector<std::vector<Rgb>> found(4);
+    {
+      std::vector<std::jthread> threads;
+      for (std::vector<Rgb>& mine : found) threads.emplace_back([&] { mine = one_by_one(); });
+    }
+    for (const std::vector<Rgb>& mine : found) EXPECT_EQ(mine, expected);
   }
 }
 
