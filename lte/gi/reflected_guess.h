@@ -1,8 +1,8 @@
 // A guess of the light on surfaces, made to agree with what the scene does to light.
 //
-// What a network says of indirect light has its shape and often not its level: in rooms of other
-// kinds than it was trained on it is off by a fifth over metres. Rays know better than any model how
-// much of its light a scene passes on.
+// A network's indirect light has the right shape and often not the right level: in rooms of other
+// kinds than it was trained on it is off by a fifth over metres. A few rays measure how much of its
+// light a scene passes on.
 #pragma once
 
 #include <cstdint>
@@ -26,11 +26,11 @@ struct ReflectionOptions {
 /// Replaces the indirect light of records, a guess, by one gather over their direct light and the
 /// guess, whose level is set beforehand.
 ///
-/// The level: let K be one reflection by the scene, D direct light and f the guess. By gathered rays
-/// at a part of the records, λ = Σ K f / Σ f (one step of the power method) and Σ K D are known, both
-/// weighted by what records reflect. Light of n bounces sums up to Σ K D (1 + λ + ... + λ^(n-1)), and
-/// f is scaled to that, by channel. In a closed room whose walls shine evenly the result is exact
-/// for any even guess.
+/// The level: let K be one reflection by the scene, D direct light and f the guess. Gathered rays
+/// at a part of the records measure Σ K D and λ = Σ K f / Σ f, one step of the power method. Light
+/// of n bounces sums up to Σ K D (1 + λ + ... + λ^(n-1)), and f is scaled to that, by channel.
+/// Records in the housings of lamps do not count. In a closed room whose walls shine evenly the
+/// result is exact for any even guess.
 ///
 /// @param light  of the records: direct light, and the guess in the place of indirect light
 /// @return       the cache of direct light and what became of the guess

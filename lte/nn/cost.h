@@ -50,7 +50,6 @@ double encode_flops(const ModelConfig& config, const EncoderPlan& plan, int64_t 
 /// least known to do. The sums count two multiply-adds a neighbour, layer and channel.
 double decode_flops(const ModelConfig& config, int64_t m);
 
-
 // Memory of training, in bytes, counted from the layers' shapes.
 
 /// float32 weights, and as much again for each of: gradients, one moment of the optimizer, an
