@@ -11,7 +11,6 @@
 
 #include "bench/begin_command.h"
 #include "experiments/gathered_base/measure.h"
-#include "infer/renderer/left_out_light.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/assets.h"
 #include "infer/tool/scene_source.h"
@@ -19,6 +18,7 @@
 #include "lte/base/file.h"
 #include "lte/base/safetensors.h"
 #include "lte/cli/cli.h"
+#include "lte/embed/embed.h"
 
 namespace lte::experiments {
 
@@ -131,11 +131,11 @@ void run(Request request) {
   LTE_CHECK(network.config().solves_light(), "--checkpoint: the model solves no light");
   const render::TracedScene traced{renderer.bvh(), renderer.lights()};
   const Queries queries = make_queries(traced, request.queries, request.references);
-  EmbedSettings embedding;
+  embed::EmbedSettings embedding;
   embedding.rescale = true;
   embedding.seed = request.seed;
-  embedding.unreached = left_out_light(renderer.bvh(), network, embedding,
-                                       SurfacePlaces{queries.position, queries.normal});
+  embedding.culled_lights = embed::culled_lights(
+      renderer.bvh(), network, embedding, embed::SurfacePlaces{queries.position, queries.normal});
   renderer.embed(network, embedding);
   const LightTables maker(traced, request.tables);
   RayRecord record;

@@ -157,7 +157,7 @@ TEST(CulledLights, LeavesZerosInEstimates) {
   light.indirect_back = light.direct;
   light.error.assign(3 * 2, 0.5f);
   const std::array groups = {0, 2};
-  darken(groups, 3, &light);
+  embed::darken(groups, 3, &light);
   for (size_t i = 0; i < 6; ++i) {
     const bool stays = i / 2 == 1;
     EXPECT_EQ(light.direct[i].x, stays ? 1 : 0);
