@@ -341,8 +341,9 @@ std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
       return gi::IrradianceCache(*rays, from->traced.places, light.total(), light.direct);
     });
   }
-  return std::make_shared<LazyCache>([from = records, now = draft, by = layers, rays = bvh,
-                                      lit = lights, settings = cache_settings(*base)] {
+  // The BVH and the lights borrow the scene, and the cache may outlive this state.
+  return std::make_shared<LazyCache>([from = records, now = draft, by = layers, held = scene,
+                                      rays = bvh, lit = lights, settings = cache_settings(*base)] {
     const gi::CacheRecords& places = from->traced.places;
     gi::RecordLight light = from->light(*now);
     light.indirect = sum_of(by, {places.position, places.normal, places.albedo});

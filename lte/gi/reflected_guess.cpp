@@ -42,13 +42,13 @@ std::vector<Rgb> picked(std::span<const Rgb> of_all) {
   return out;
 }
 
-/// The median of values, by the area of their records.
-float median(std::vector<std::pair<float, float>> value_and_area) {
-  std::sort(value_and_area.begin(), value_and_area.end());
+/// The weighted median of values.
+float median(std::vector<std::pair<float, float>> value_and_weight) {
+  std::sort(value_and_weight.begin(), value_and_weight.end());
   double all = 0, below = 0;
-  for (const auto& [value, area] : value_and_area) all += double{area};
-  for (const auto& [value, area] : value_and_area) {
-    below += double{area};
+  for (const auto& [value, weight] : value_and_weight) all += double{weight};
+  for (const auto& [value, weight] : value_and_weight) {
+    below += double{weight};
     if (2 * below >= all) return value;
   }
   return 0;
@@ -60,8 +60,8 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
                std::span<const Rgb> direct, int channel, int bounces) {
   std::vector<std::pair<float, float>> ratios;
   for (size_t i = 0; i < guess.size(); ++i) {
-    if (guess[i][channel] > 0)
-      ratios.emplace_back(direct[i][channel] / guess[i][channel], records.area[i]);
+    const float f = guess[i][channel];
+    if (f > 0) ratios.emplace_back(direct[i][channel] / f, records.area[i]);
   }
   const float most = kOutlier * median(std::move(ratios));
   double guessed = 0, once = 0, more = 0;

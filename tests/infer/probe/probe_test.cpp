@@ -107,6 +107,17 @@ TEST_F(ProbeTool, WarnsOfUntrainedLightThatTheNetworkIsToldOf) {
   EXPECT_THAT(said("--set prune=off"), testing::HasSubstr(unknown));
 }
 
+/// The numbers below the heading of a CSV file.
+std::vector<double> numbers(const std::string& csv) {
+  std::vector<double> out;
+  std::istringstream in(csv.substr(csv.find('\n') + 1));
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) out.push_back(std::stod(cell));
+  }
+  return out;
+}
+
 TEST_F(ProbeTool, ASkyOutsideAClosedRoomChangesNoAnswer) {
   test::save_tiny_model(
       "tiny.safetensors",
@@ -120,7 +131,13 @@ TEST_F(ProbeTool, ASkyOutsideAClosedRoomChangesNoAnswer) {
   const std::string dim = by("--environment 1,1,1");
   EXPECT_EQ(nlohmann::json::parse(read_file("by.json"))["left_out_lights"],
             nlohmann::json({"environment"}));
-  EXPECT_EQ(by("--environment 1000,1000,1000"), dim);
+  // Which light a sample goes to depends on the sky; how much light there is does not.
+  const std::vector<double> expected = numbers(dim),
+                            found = numbers(by("--environment 1000,1000,1000"));
+  ASSERT_EQ(found.size(), expected.size());
+  ASSERT_GT(found.size(), 20u);
+  for (size_t i = 0; i < found.size(); ++i)
+    EXPECT_NEAR(found[i], expected[i], 0.02 * expected[i]) << i;
   EXPECT_NE(by("--environment 1000,1000,1000 --set prune=off"),
             by("--environment 1,1,1 --set prune=off"));
   EXPECT_TRUE(nlohmann::json::parse(read_file("by.json"))["left_out_lights"].empty());

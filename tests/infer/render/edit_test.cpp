@@ -177,7 +177,9 @@ TEST_F(EditedPictures, HaveNoLightOfASkyOutside) {
   // Which light a sample goes to depends on the sky; how much light there is does not.
   EXPECT_NEAR(mean(second("--environment 1000,1000,1000")), mean(dim), 0.2 * mean(dim));
   fs::remove("f0.exr"), fs::remove("f1.exr"), fs::remove("f2.exr");
-  EXPECT_GT(mean(second("--environment 1000,1000,1000 --set prune=off")), 2 * mean(dim));
+  // A network that sees the sky lets some of it through walls; the rays over its light do not.
+  EXPECT_NEAR(mean(second("--environment 1000,1000,1000 --set prune=off")), mean(dim),
+              0.2 * mean(dim));
   EXPECT_TRUE(culled().empty());
 }
 
