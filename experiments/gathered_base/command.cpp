@@ -87,7 +87,7 @@ void write_arrays(const std::string& path, const Queries& queries, const RayReco
 void add_options(CLI::App& app, Request* r) {
   app.add_option("SCENE", r->scene, "Scene file")->required();
   add_scene_options(app, r);
-  app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
+  app.add_option("--checkpoint", r->checkpoint, "Model that solves light; by default lte-base");
   app.add_option("--points", r->queries.points, "Points over the surfaces that light reaches")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
@@ -127,7 +127,9 @@ void run(Request request) {
   const scene::Scene scene = load_source(request);
   Renderer renderer(scene);
   LTE_CHECK(renderer.has_light(), scene.name, ": nothing emits light");
-  const runtime::Network network(checkpoint_or_shipped(request.checkpoint));
+  const runtime::Network network(request.checkpoint.empty()
+                                     ? asset_path("models/lte-base.safetensors", "--checkpoint")
+                                     : std::filesystem::path(request.checkpoint));
   LTE_CHECK(network.config().solves_light(), "--checkpoint: the model solves no light");
   const render::TracedScene traced{renderer.bvh(), renderer.lights()};
   const Queries queries = make_queries(traced, request.queries, request.references);

@@ -38,6 +38,12 @@ void add(Checksum* sum, const TextureRef& ref) {
   add(sum, ref.rotation);
 }
 
+bool has_normal_map(const Scene& scene, const Mesh& mesh) {
+  const auto material = static_cast<size_t>(mesh.material);
+  return material < scene.materials.size() &&
+         scene.materials[material].normal_texture.texture != kNone;
+}
+
 std::string geometry_of(const Scene& scene) {
   Checksum sum;
   for (const Mesh& mesh : scene.meshes) {
@@ -45,10 +51,12 @@ std::string geometry_of(const Scene& scene) {
     add_all(&sum, mesh.triangles);
     for (const std::vector<Vec2>& uvs : mesh.uvs) add_all(&sum, uvs);
     add_all(&sum, mesh.colors);
-    add_all(&sum, mesh.normals);
-    for (const Tangent& tangent : mesh.tangents) {
-      add(&sum, tangent.direction);
-      add(&sum, tangent.sign);
+    // Without a normal map nothing is shaded by them.
+    const bool bent = has_normal_map(scene, mesh);
+    if (bent) add_all(&sum, mesh.normals);
+    for (size_t i = 0; bent && i < mesh.tangents.size(); ++i) {
+      add(&sum, mesh.tangents[i].direction);
+      add(&sum, mesh.tangents[i].sign);
     }
     add(&sum, mesh.material);
   }
@@ -70,6 +78,7 @@ std::string materials_of(const Scene& scene) {
     add(&sum, material.metallic);
     add(&sum, material.roughness);
     add(&sum, material.metallic_roughness_texture);
+    if (material.normal_texture.texture == kNone) continue;
     add(&sum, material.normal_texture);
     add(&sum, material.normal_scale);
   }
