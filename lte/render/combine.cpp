@@ -58,8 +58,9 @@ Image combine(const image::Denoiser& denoiser, const DenoisingGuides& guides, co
     }
   }
   const BoxMean mean(gathered.width, gathered.height, seen);
-  along = mean(along, kCombineWindow);
-  square = mean(square, kCombineWindow);
+  // Twice: the weights of a square of pixels would show its outline around a bright one.
+  for (std::vector<float>* sum : {&along, &square})
+    *sum = mean(mean(*sum, kCombineWindow / 2), kCombineWindow / 2);
   Image out = gathered;
   for (size_t i = 0; i < pixels; ++i) {
     if (!seen[i] || !(square[i] > 0)) continue;

@@ -16,7 +16,7 @@
 
 namespace lte::render {
 
-/// Half an edge of the square over which weights are estimated.
+/// Half an edge of the square over which weights are estimated, the middle counting most.
 inline constexpr int kCombineWindow = 16;
 
 /// What guides a denoiser, of the film's size: means over pixels; normals are 0 in the background.

@@ -59,6 +59,7 @@ struct EdgePixel {
   /// Albedo of hits on the surface that the center of a pixel of kNearPixels sees.
   std::array<Rgb, kNearPixels.size()> albedo;
   Rgb direct, indirect;  ///< radiance of hits that none of them stands for, each lit by itself
+  Rgb lit_albedo;        ///< of those hits
   int32_t rays = 0;      ///< of RenderSettings::irradiance: those that meet a surface
   bool mixed = false;    ///< some ray has met something else than the center
 };

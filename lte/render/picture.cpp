@@ -14,6 +14,8 @@ using image::Image;
 using pathtrace::RadianceLayers;
 
 constexpr int64_t kPixelsAtOnce = 1 << 14;
+/// See edge_share().
+constexpr float kEdgeBound = 1;
 /// Least albedo of a pixel that sends out reflected light.
 constexpr float kMinAlbedo = 1e-4f;
 
@@ -125,10 +127,28 @@ void denoise_gathered(const Film& film, const PictureSettings& settings, Radianc
   light->indirect = std::move(indirect);
 }
 
+/// Of what hits at an edge found by themselves, one or two samples of light, the share that leaves
+/// them at most kEdgeBound times as bright as the brightest surface around: nothing else takes
+/// their noise away.
+float edge_share(const Film& film, size_t pixel, const Image& centers, const Rgb& found,
+                 const EdgePixel& edge) {
+  float brightest = 0;
+  for (size_t k = 0; k < kNearPixels.size(); ++k) {
+    const size_t near = film.near_pixel(pixel, k);
+    if (near != Film::kNoPixel && !film.sees_metal(near))
+      brightest = std::max(brightest, luminance(centers.rgb(near)));
+  }
+  const float bound = kEdgeBound * brightest * luminance(edge.lit_albedo);
+  const float bright = kPi * luminance(found);
+  return bright > bound ? bound / bright : 1;
+}
+
 /// What pixels show of light at surfaces.
 /// @param centers  Film::gathered
 /// @param albedo   of pixels; null: irradiance is wanted
-RadianceLayers seen_light(const Film& film, const RadianceLayers& centers, const Image* albedo) {
+/// @param smooth   no noise is to be seen
+RadianceLayers seen_light(const Film& film, const RadianceLayers& centers, const Image* albedo,
+                          bool smooth) {
   RadianceLayers out = centers;
   const auto put = [&](size_t i, const Rgb& direct, const Rgb& indirect, float scale) {
     out.direct.set_rgb(i, direct * scale);
@@ -143,6 +163,10 @@ RadianceLayers seen_light(const Film& film, const RadianceLayers& centers, const
       return;
     }
     Rgb direct = edge->direct * kPi, indirect = edge->indirect * kPi;
+    if (smooth) {
+      direct = direct * edge_share(film, i, centers.direct, edge->direct, *edge);
+      indirect = indirect * edge_share(film, i, centers.indirect, edge->indirect, *edge);
+    }
     for (size_t k = 0; k < kNearPixels.size(); ++k) {
       if (!(max_component(edge->albedo[k]) > 0)) continue;
       size_t source = film.near_pixel(i, k);
@@ -165,7 +189,8 @@ RadianceLayers gathered_light(const Film& film, const Frame& frame, const Pictur
     if (film.sees_metal(i)) noisy_indirect->set_rgb(i, noisy_indirect->rgb(i) * kPi);
   });
   if (settings.denoiser != nullptr) denoise_gathered(film, settings, &light);
-  return seen_light(film, light, settings.output == Output::Irradiance ? nullptr : &frame.albedo);
+  return seen_light(film, light, settings.output == Output::Irradiance ? nullptr : &frame.albedo,
+                    settings.denoiser != nullptr);
 }
 
 RadianceLayers path_light(const Film& film, const DenoisingGuides& guides,

@@ -188,6 +188,7 @@ void PixelRays::light(const Integrator& integrator, int64_t* next_point) {
     }
     EdgePixel* const edge = film_.edge(pixels_[lit[k].hit / static_cast<size_t>(rays_.count)]);
     const Rgb reflected = albedo(lit[k].hit) * (1 / kPi);
+    edge->lit_albedo += albedo(lit[k].hit);
     edge->direct += reflected * sample.direct;
     edge->indirect += reflected * sample.indirect;
   }
