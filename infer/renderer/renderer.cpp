@@ -40,7 +40,7 @@ RenderSettings with_quality(Quality quality, RenderSettings settings) {
     case Quality::Preview:
       // One pass: what samples of a point are stratified together is worth more than jitter.
       settings.passes = 1;
-      settings.gather_rays *= 2;
+      settings.gather_rays *= 3;
       settings.light_samples *= 8;
       settings.denoise_quality = image::OidnQuality::Balanced;
       break;
