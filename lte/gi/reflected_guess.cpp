@@ -19,13 +19,15 @@ constexpr float kOutlier = 4;
 CacheRecords picked(const CacheRecords& records) {
   CacheRecords out;
   for (size_t i = 0; i < records.position.size(); i += kSampled) {
-    out.add(records.position[i], records.normal[i], records.albedo[i], records.area[i]);
-    const auto begin = static_cast<std::ptrdiff_t>(records.first[i] + 1);
-    const auto end = static_cast<std::ptrdiff_t>(records.first[i + 1]);
-    out.start.insert(out.start.end(), records.start.begin() + begin, records.start.begin() + end);
-    out.start_normal.insert(out.start_normal.end(), records.start_normal.begin() + begin,
-                            records.start_normal.begin() + end);
-    out.first.back() = out.start.size();
+    out.position.push_back(records.position[i]);
+    out.normal.push_back(records.normal[i]);
+    out.albedo.push_back(records.albedo[i]);
+    out.area.push_back(records.area[i]);
+    for (size_t k = records.first[i]; k < records.first[i + 1]; ++k) {
+      out.start.push_back(records.start[k]);
+      out.start_normal.push_back(records.start_normal[k]);
+    }
+    out.first.push_back(out.start.size());
   }
   return out;
 }

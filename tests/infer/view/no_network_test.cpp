@@ -12,7 +12,7 @@ namespace {
 
 class NoNetworkView : public test::InFolder {};
 
-TEST_F(NoNetworkView, WhoWantsOneIsToldInOneLine) {
+TEST_F(NoNetworkView, WantingOneIsRefusedInOneLine) {
   scene::write_glb("floor.glb", test::lit_floor());
   CLI::App app{"", "lte_view"};
   ViewRequest request;
@@ -21,6 +21,7 @@ TEST_F(NoNetworkView, WhoWantsOneIsToldInOneLine) {
       test::run_command(app, {"--quiet", "floor.glb", "--integrator", "network", "--port", "0"},
                         [&] { run_view(request); });
   test::expect_one_line(outcome, 1, {"no network", "LTE_TORCH=ON"});
+  EXPECT_EQ(outcome.out, "") << "no address of a server that is not there";
 }
 
 }  // namespace
