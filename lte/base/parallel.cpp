@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lte/base/check.h"
-#include "lte/base/interruption.h"
 
 namespace lte {
 namespace {
@@ -32,7 +31,6 @@ class Job {
     t_inside = true;
     try {
       while (!failed_.load(std::memory_order_relaxed)) {
-        Interruption::check();
         const int64_t chunk = next_.fetch_add(1, std::memory_order_relaxed);
         if (chunk > (count_ - 1) / grain_) break;
         const int64_t begin = chunk * grain_;
