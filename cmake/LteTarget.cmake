@@ -38,28 +38,25 @@ function(lte_add_library name)
   set_property(GLOBAL APPEND PROPERTY LTE_LIBRARIES lte_${name})
 endfunction()
 
-# lte_unite(NAME FILE ...): compiles these files of lte_NAME as one. A file that includes LibTorch
-# or CLI11 costs ten seconds before its first line: what their headers define inline is instantiated
-# in each. Names in unnamed namespaces must differ within such a group.
-function(lte_unite name)
-  if(LTE_UNITY)
-    list(GET ARGN 0 first)
-    string(MAKE_C_IDENTIFIER "${name}_${first}" group)
-    set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
-    set_target_properties(lte_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  endif()
-endfunction()
-
-# lte_unite_folders(TARGET MOST [EXCEPT FILE ...]): compiles the sources of each sub-folder of a
-# target together, at most MOST at a time, for the reason above. EXCEPT those that have options or
-# precompiled headers of their own.
+# lte_unite_folders(TARGET MOST): compiles the sources of each folder of a target together, at most
+# MOST at a time: a file that includes LibTorch, CLI11 or a parser of JSON costs seconds before its
+# first line. Sources with options, definitions or precompiled headers of their own stay alone, so
+# it comes after those are set. Names in unnamed namespaces differ within a folder.
 function(lte_unite_folders target most)
-  cmake_parse_arguments(arg "" "" "EXCEPT" ${ARGN})
-  get_target_property(sources ${target} SOURCES)
-  list(FILTER sources INCLUDE REGEX "^[^/$].*\\.cpp$")
-  if(arg_EXCEPT)
-    list(REMOVE_ITEM sources ${arg_EXCEPT})
-  endif()
+  get_target_property(all ${target} SOURCES)
+  list(FILTER all INCLUDE REGEX "^[^/$].*\\.cpp$")
+  foreach(file IN LISTS all)
+    set(own FALSE)
+    foreach(property COMPILE_DEFINITIONS COMPILE_OPTIONS SKIP_PRECOMPILE_HEADERS)
+      get_source_file_property(value ${file} ${property})
+      if(value)
+        set(own TRUE)
+      endif()
+    endforeach()
+    if(NOT own)
+      list(APPEND sources ${file})
+    endif()
+  endforeach()
   foreach(file IN LISTS sources)
     get_filename_component(folder ${file} DIRECTORY)
     string(MAKE_C_IDENTIFIER "${target}_${folder}" folder)

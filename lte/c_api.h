@@ -158,7 +158,7 @@ typedef struct lte_float3_view {
  *  indirect 0, and need `area`:
  *  - A point light of power W is two points in its place, normals up and down, each of area a,
  *    that of any other point, and emission W / (2 pi a). A spot light is one whose normal is its
- *    direction, of emission W / (pi a): the width of its cone is not among what points tell.
+ *    direction, of emission W / (pi a): the width of its cone is not among the data of points.
  *  - A sun (directional light) of irradiance E on what faces it stands on the sphere around the
  *    bounds of the surfaces (centre c, radius r, half their diagonal): position c - r d and normal
  *    d, where d is the unit direction in which its light travels. It takes the solid angle

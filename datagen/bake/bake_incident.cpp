@@ -10,7 +10,7 @@
 namespace lte::datagen {
 namespace {
 
-constexpr int64_t kBlock = 32;  // points in full precision at a time
+constexpr int64_t kIncidentBlock = 32;  // points in full precision at a time
 
 /// Sets directions and densities of the cells, which are the same at every point.
 void describe_cells(data::IncidentField* field) {
@@ -85,9 +85,9 @@ data::IncidentField bake_incident(const pathtrace::Bvh& bvh, const pathtrace::Li
   incident.samples = static_cast<int>(options.samples);
   incident.max_depth = max_depth;
   incident.seed = seed;
-  for (int64_t first = 0; first < P; first += kBlock) {
+  for (int64_t first = 0; first < P; first += kIncidentBlock) {
     const auto at = static_cast<size_t>(first);
-    const auto size = static_cast<size_t>(std::min(kBlock, P - first));
+    const auto size = static_cast<size_t>(std::min(kIncidentBlock, P - first));
     pack(pathtrace::estimate_incident(bvh, lights, std::span(field.position).subspan(at, size),
                                       std::span(field.normal).subspan(at, size), incident, first),
          first, &field);

@@ -17,7 +17,7 @@ int64_t incident_paths(const IncidentBakeOptions& options);
 
 /// Estimates incident radiance at each of `points`.
 /// @param points  on the front side of their surfaces
-/// @param done    is told the number of paths whenever some are done
+/// @param done    is called with the number of paths whenever some are done
 data::IncidentField bake_incident(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                   const scene::SurfaceSamples& points,
                                   const IncidentBakeOptions& options, int max_depth, uint64_t seed,

@@ -12,7 +12,7 @@ namespace {
 constexpr uint64_t kMetalStream = 0x6d65746c;
 
 void make_metal(const Range& roughness, Rng* rng, scene::Material* material) {
-  // From the warm tint of gold or copper to the grey of steel and aluminium.
+  // From the warm tint of gold or copper to the gray of steel and aluminium.
   const float hue = rng->uniform(0.03f, 0.14f), saturation = rng->uniform(0, 0.6f);
   const Rgb color = make_color(hue, saturation, rng->uniform(0.5f, 0.9f));
   const double turn = rng->uniform();

@@ -32,7 +32,7 @@ class Palette {
   int blanket();     ///< printed or woven
   int curtain();
   int metal();       ///< brushed steel, brass or black, one a home
-  int chrome();      ///< pale grey of taps
+  int chrome();      ///< pale gray of taps
   int ceramic();     ///< white
   int worktop();     ///< stone or wood
   int crockery();    ///< cups and bowls

@@ -6,7 +6,7 @@
 namespace lte::datagen::homes {
 namespace {
 
-constexpr float kOverhead = 1.9f, kFlat = 0.03f;
+constexpr float kOverhead = 1.9f, kStepOver = 0.03f;
 
 float distance(const OrientedBox& box, const Vec2& p) {
   const float dx = p.x - box.centre.x, dz = p.y - box.centre.y;
@@ -30,7 +30,7 @@ WalkGrid::WalkGrid(const Rect& room)
 }
 
 void WalkGrid::block(const OrientedBox& box) {
-  if (box.low > kOverhead || box.high < kFlat) return;
+  if (box.low > kOverhead || box.high < kStepOver) return;
   for (int cell = 0; cell < columns_ * rows_; ++cell) {
     char& is_free = free_[static_cast<size_t>(cell)];
     if (is_free && distance(box, middle(cell)) < kWalkRadius) is_free = 0;

@@ -67,7 +67,7 @@ float lit_share(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
   options.rays = kPaths;
   options.max_depth = kDepth;
   options.seed = seed;
-  options.variance = false;
+  options.variance = options.by_group = false;
   const pathtrace::Irradiance found =
       pathtrace::estimate_irradiance(bvh, lights, position, normal, options);
   int lit = 0;

@@ -40,7 +40,7 @@ using runtime::SceneAttention;
 const std::string kDecoder = "decoder";
 constexpr float kReach = 0.05f;     // of the scene's widest side, from --point to a surface
 constexpr float kMinShade = 0.35f;  // of surfaces seen at a slant
-constexpr float kGrey = 0.25f;      // display value of surfaces without attention
+constexpr float kGray = 0.25f;      // display value of surfaces without attention
 
 struct Request {
   std::string scene, checkpoint, camera, size = "640x480", out;
@@ -148,8 +148,8 @@ image::Image paint(const SceneAttention& inside, const std::vector<float>& value
   for (size_t k = 0; k < pixels.size(); ++k) {
     const float slant = std::abs(dot(normal[k], normalize(camera.origin - position[k])));
     const float shade = kMinShade + (1 - kMinShade) * slant;
-    const float grey = kGrey * std::max(0.0f, 1 - 10 * shown[k] / most);
-    picture.set_rgb(pixels[k], (picture.rgb(pixels[k]) + Rgb{grey, grey, grey}) * shade);
+    const float gray = kGray * std::max(0.0f, 1 - 10 * shown[k] / most);
+    picture.set_rgb(pixels[k], (picture.rgb(pixels[k]) + Rgb{gray, gray, gray}) * shade);
   }
   return picture;
 }

@@ -17,7 +17,7 @@ namespace {
 
 using image::Image;
 
-/// Of the frames whose points are asked again, and of the pixels of such a frame.
+/// Of the frames whose points are queries again, and of the pixels of such a frame.
 constexpr size_t kPointFrames = 4;
 constexpr size_t kPointStep = 13;
 constexpr int kShadowRays = 64;  // of pictures by the network
@@ -81,16 +81,16 @@ void repeat_answers(const Renderer& renderer, std::span<const scene::Camera> cam
   RepeatedAnswers repeated(fixed.position.size());
   for (const scene::Camera& camera : cameras) {
     const Projection projection(camera, options.width, options.height);
-    Points asked = points_seen(bvh, camera, options);
-    const size_t first = asked.position.size();
+    Points queries = points_seen(bvh, camera, options);
+    const size_t first = queries.position.size();
     std::vector<size_t> numbers;
     for (size_t i = 0; i < fixed.position.size(); ++i) {
       if (!is_seen(bvh, camera, projection, fixed.position[i], fixed.normal[i], options)) continue;
-      asked.append(fixed, i);
+      queries.append(fixed, i);
       numbers.push_back(i);
     }
     const std::vector<Rgb> answers =
-        renderer.embedding().decode({asked.position, asked.normal, asked.albedo});
+        renderer.embedding().decode({queries.position, queries.normal, queries.albedo});
     repeated.add(numbers, std::span(answers).subspan(first));
   }
   out->points = static_cast<int64_t>(fixed.position.size());

@@ -73,7 +73,7 @@ std::vector<LightTable> LightTables::make(const runtime::SceneEmbedding& embeddi
   };
   const int more = std::min(options_.sweeps, kMoreSweeps);
   double start = processor_seconds();
-  out.push_back(table("solved", embedding.cached_light(queries), 0));
+  out.push_back(table("solved", embedding.light_prior(queries), 0));
   out.back().seconds = processor_seconds() - start;
   sweep(LightTable(out.back()), more);
   start = processor_seconds();

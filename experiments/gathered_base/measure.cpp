@@ -53,7 +53,7 @@ Measured measure(const render::TracedScene& scene, const LightTables& maker,
   Measured out;
   out.mean = errors.mean();
   double start = processor_seconds();
-  const std::vector<Rgb> prior = embedding.cached_light(points);
+  const std::vector<Rgb> prior = embedding.light_prior(points);
   out.answers.push_back(row(errors, "prior", 0, prior, processor_seconds() - start));
   start = processor_seconds();
   const std::vector<Rgb> decoded = embedding.decode(points);

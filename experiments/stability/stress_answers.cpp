@@ -43,10 +43,10 @@ std::vector<Rgb> trace(const pathtrace::Bvh& bvh, const pathtrace::Lights& light
 }
 
 std::vector<Rgb> ask_network(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                             const runtime::Network& network, const StressQuestions& asked,
+                             const runtime::Network& network, const StressQuestions& moved,
                              const StressVariation& variation) {
   const int64_t count =
-      asked.scene_points > 0 ? asked.scene_points : network.metadata().scene_points;
+      moved.scene_points > 0 ? moved.scene_points : network.metadata().scene_points;
   scene::SurfaceSamples samples = embed::sample_scene_points(
       bvh, count, network.metadata().scene_points_pruned, variation.seed, nullptr);
   embed::drop_untrained_suns(bvh.scene(), network.metadata(), &samples);
@@ -57,12 +57,12 @@ std::vector<Rgb> ask_network(const pathtrace::Bvh& bvh, const pathtrace::Lights&
   encoding.rescale = true;
   const runtime::SceneEmbedding embedding(network, lit.points(), encoding);
   if (!variation.reverse_queries)
-    return embedding.decode({asked.position, asked.normal, asked.albedo});
+    return embedding.decode({moved.position, moved.normal, moved.albedo});
   const auto reversed = [](const std::vector<Vec3>& values) {
     return std::vector<Vec3>(values.rbegin(), values.rend());
   };
-  const std::vector<Vec3> position = reversed(asked.position), normal = reversed(asked.normal),
-                          albedo = reversed(asked.albedo);
+  const std::vector<Vec3> position = reversed(moved.position), normal = reversed(moved.normal),
+                          albedo = reversed(moved.albedo);
   return reversed(embedding.decode({position, normal, albedo}));
 }
 
@@ -93,8 +93,8 @@ StressQuestions ask_stress_room(int64_t points, int paths, int64_t scene_points)
 StressAnswers answer(const StressRoom& room, const StressQuestions& questions,
                      const runtime::Network& network, const StressVariation& variation) {
   StressAnswers out;
-  StressQuestions asked = questions;
-  for (Vec3& p : asked.position) p = p * room.scale + room.offset;
+  StressQuestions moved = questions;
+  for (Vec3& p : moved.position) p = p * room.scale + room.offset;
   const scene::Scene scene = make_stress_room(room);
   out.triangles = scene.triangle_count();
   std::unique_ptr<pathtrace::Bvh> bvh;
@@ -105,12 +105,12 @@ StressAnswers answer(const StressRoom& room, const StressQuestions& questions,
   });
   if (variation.paths) {
     out.paths_time = time_work([&] {
-      out.paths = trace(*bvh, *lights, asked.position, asked.normal, asked.paths, variation.seed);
+      out.paths = trace(*bvh, *lights, moved.position, moved.normal, moved.paths, variation.seed);
     });
   }
   if (variation.network) {
     out.network_time =
-        time_work([&] { out.network = ask_network(*bvh, *lights, network, asked, variation); });
+        time_work([&] { out.network = ask_network(*bvh, *lights, network, moved, variation); });
   }
   return out;
 }

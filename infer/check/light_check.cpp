@@ -25,8 +25,8 @@ constexpr double kSeen = 0.01;
 // What regions are off by counts by their share of the places: a fiftieth of a picture that is off
 // by a tenth is nothing to warn of.
 constexpr double kMinFault = 0.01;
-// Estimates keep two colors a place and light group: blocks bound that memory.
-constexpr int64_t kEstimateBlock = int64_t{1} << 20;
+// Estimates keep two colors a place: blocks bound that memory.
+constexpr size_t kEstimateBlock = size_t{1} << 20;
 // Streams of what suspects and of what confirms.
 constexpr uint64_t kSuspect = 51, kConfirm = 52, kPlaces = 53;
 
@@ -129,10 +129,8 @@ class Checker {
   void trace(const std::vector<uint32_t>& ranks, int64_t paths, uint64_t stream, BatchSums* sums) {
     const auto in_batch = static_cast<size_t>(paths / (kPathsAtOnce * kCheckBatches));
     const std::vector<uint32_t> drawn = draw(ranks, in_batch, stream);
-    const auto block = static_cast<size_t>(
-        std::max<int64_t>(1024, kEstimateBlock / std::max(1, lights_.groups())));
-    for (size_t begin = 0; begin < drawn.size(); begin += block) {
-      const size_t count = std::min(block, drawn.size() - begin);
+    for (size_t begin = 0; begin < drawn.size(); begin += kEstimateBlock) {
+      const size_t count = std::min(kEstimateBlock, drawn.size() - begin);
       const pathtrace::Irradiance traced =
           estimate(std::span(drawn).subspan(begin, count), stream, begin);
       for (size_t i = 0; i < count; ++i) {
@@ -173,7 +171,7 @@ class Checker {
     options.rays = kPathsAtOnce;
     options.max_depth = options_.max_depth;
     options.seed = hash_combine(options_.seed, stream);
-    options.variance = false;
+    options.variance = options.by_group = false;
     return pathtrace::estimate_irradiance(bvh_, lights_, positions, normals, options,
                                           static_cast<int64_t>(first_index));
   }

@@ -7,9 +7,9 @@
 // the places, cut in two as long as both halves know their ratio well enough.
 //
 // Paths have heavy tails: light that comes by rare bright paths is missed together with the spread
-// that would have told. And the more regions there are, the more of them look wrong by chance. So
-// what the first paths suspect, others must confirm: fresh paths from fresh places of the suspected
-// regions alone, tested anew at three standard errors, corrected for their number.
+// that would have shown it. And the more regions there are, the more of them look wrong by chance.
+// So what the first paths suspect, others must confirm: fresh paths from fresh places of the
+// suspected regions alone, tested anew at three standard errors, corrected for their number.
 #pragma once
 
 #include <cstdint>

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "infer/eval/baselines/denoised_paths.h"
-#include "infer/eval/measure/combine.h"
 #include "infer/eval/measure/embed_sample.h"
 #include "infer/eval/measure/eval_points.h"
+#include "infer/eval/measure/network_and_paths.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
@@ -60,7 +60,7 @@ struct Predictors {
       if (!points.path_traced_few[i].empty())
         out.emplace_back(few_paths_row(data::kFewPaths[i]), points.path_traced_few[i]);
     }
-    if (auto light = network.cached_light(points.queries); !light.empty()) {
+    if (auto light = network.light_prior(points.queries); !light.empty()) {
       out.emplace_back("light_cache", data::sum_groups(light, 1, 1 / network.mean_emission()));
     }
     const auto mean = static_cast<float>(baselines.mean);

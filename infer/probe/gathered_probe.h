@@ -21,7 +21,7 @@ struct GatheredProbeOptions {
   int tables = 4;     ///< at least 2
   int max_depth = 5;  ///< surface hits of paths that no table ends
   uint64_t seed = 0;
-  std::function<void(int64_t points)> done;  ///< told of points, each `tables` times; may be empty
+  std::function<void(int64_t points)> done;  ///< points done, each `tables` times; may be empty
 };
 
 struct GatheredProbe {

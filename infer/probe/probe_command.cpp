@@ -47,7 +47,7 @@ void check_usage(const ProbeRequest& r) {
   LTE_CHECK(!r.out.empty(), "--out: name the CSV file to write");
 }
 
-/// What the network is told of the scene. Warns of light in it that the network does not know.
+/// The scene as the network reads it. Warns of light in it that the network does not know.
 EmbedSettings told_of(const ProbeRequest& request, const runtime::Network& network,
                       const scene::PointTable& points, const Renderer& renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed,

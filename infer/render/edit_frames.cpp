@@ -60,7 +60,7 @@ Frame EditedFrames::render(const View& view, const RenderSettings& settings, nlo
   return session_.state()->render(view.camera, settings, seconds);
 }
 
-/// Where that has changed, a line names the light that the network is not told of.
+/// Where that has changed, a line names the light that the network does not read.
 void EditedFrames::report_culled_lights() {
   const StatePtr state = session_.state();
   const std::vector<int> groups = state->culled_lights();

@@ -128,18 +128,18 @@ void FrameSet::check_manifest(const std::vector<View>& finished) {
             ", which would say how it was made; remove it or name other frames in --out");
   const Json json = read_manifest(manifest_);
   const auto made_with = texts_in(manifest_, json, "settings");
-  const char* remedy = "; remove these frames or name others in --out";
+  const char* hint = "; remove these frames or name others in --out";
   for (const auto& [name, here] : settings_) {
     const auto found = made_with.find(name);
     const std::string there = found == made_with.end() ? "nothing" : found->second;
     LTE_CHECK(there == here, file, ": the frames were made with another ", name, ": ",
-              there.substr(0, 80), ", here it is ", here, remedy);
+              there.substr(0, 80), ", here it is ", here, hint);
   }
   cameras_ = texts_in(manifest_, json, "cameras");
   for (const View& view : finished) {
     const auto found = cameras_.find(name_of(view));
     LTE_CHECK(found != cameras_.end() && found->second == scene::camera_json(view.camera), view.out,
-              ": was made by another camera, as ", file, " says", remedy);
+              ": was made by another camera, as ", file, " says", hint);
   }
   if (json.contains("exposure") && json["exposure"].is_number())
     exposure_ = json["exposure"].get<double>();

@@ -27,7 +27,7 @@ struct FinishedPicture {
 /// Keeps one picture at most, and writes them in their order.
 class PictureWriter {
  public:
-  /// @param written  told of each picture once it is written, in the caller's thread
+  /// @param written  called with each picture once it is written, in the caller's thread
   /// @param video    where pictures go, borrowed; null: each into the file that it names
   explicit PictureWriter(std::function<void(const FinishedPicture&)> written,
                          Video* video = nullptr);

@@ -145,7 +145,7 @@ void claim_views(const RenderRequest& request, const std::vector<View>& views,
   files->check();
 }
 
-/// The network if these pictures need one. Where it is told of light that it has never seen, paths
+/// The network if these pictures need one. Where it reads light that it has never seen, paths
 /// trace the records of the cache, and `records` says so.
 std::optional<runtime::Network> load_network(const RenderRequest& request,
                                              const std::vector<View>& views,
@@ -182,7 +182,7 @@ void embed(const RenderRequest& request, const std::vector<View>& views,
       cull_lights(request.embedding, renderer->bvh(), network, cameras_of(views), &settings);
   provide_embedding(request.embedding, network, settings, renderer);
   renderer->seconds().sample += search;
-  memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
+  memory.check("encoding the scene", {runtime::Hint::FewerScenePoints});
 }
 
 void check_cache_fits(const render::CacheSettings& settings, const scene::Scene& scene,

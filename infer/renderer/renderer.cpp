@@ -9,7 +9,7 @@
 #include "lte/base/timer.h"
 #include "lte/render/picture.h"
 #include "lte/render/progressive.h"
-#include "lte/runtime/refusal.h"
+#include "lte/runtime/limit_error.h"
 
 namespace lte::infer {
 namespace {
@@ -149,11 +149,11 @@ std::unique_ptr<render::Integrator> Renderer::integrator(const RenderSettings& s
 
 /// What denoising such a picture will take, by what it takes for a small one.
 double Renderer::denoising_seconds(const RenderSettings& settings) {
-  const image::Image grey(kTimedSide, kTimedSide, 3);
-  image::Image ones = grey;
+  const image::Image gray(kTimedSide, kTimedSide, 3);
+  image::Image ones = gray;
   for (float& value : ones.pixels) value = 1;
   const Timer timer;
-  denoiser_->get().denoise({&ones, &ones, &grey, nullptr, nullptr}, settings.denoise_quality);
+  denoiser_->get().denoise({&ones, &ones, &gray, nullptr, nullptr}, settings.denoise_quality);
   return timer.seconds() * (double{1} * settings.width * settings.height) /
          (double{1} * kTimedSide * kTimedSide);
 }
@@ -219,12 +219,12 @@ double picture_mb(int width, int height) {
 void check_picture_fits(int width, int height, const runtime::MemoryLimit& limit) {
   const double need = picture_mb(width, height), free = available_memory_mb();
   const std::string what = concat("a picture of ", width, "x", height);
-  limit.check_ahead(need, what, "take a smaller one", {runtime::Remedy::FewerQueries});
+  limit.check_ahead(need, what, "take a smaller one", {runtime::Hint::FewerQueries});
   if (need <= free) return;
   throw runtime::NotEnoughMemory(
       concat(what, " needs ", runtime::memory_text(need), " and ", runtime::memory_text(free),
              " are free: take a smaller one"),
-      {runtime::Remedy::FewerQueries});
+      {runtime::Hint::FewerQueries});
 }
 
 }  // namespace lte::infer

@@ -29,8 +29,8 @@ class Renderer {
            std::shared_ptr<SharedDenoiser> denoiser);
 
   /// Samples scene points and encodes them.
-  /// @throws runtime::Refusal for a scene wider than the model knows, unless settings.rescale, and
-  ///         where memory lacks.
+  /// @throws runtime::LimitError for a scene wider than the model knows, unless settings.rescale,
+  ///         and where memory lacks.
   void embed(const runtime::Network& network, const EmbedSettings& settings);
 
   /// Takes an embedding of this scene that was made before, in the place of embed().

@@ -1,10 +1,10 @@
-// What each edit does to a draft, and what it refuses.
+// What each edit does to an edited scene, and what it refuses.
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
 
-#include "infer/session/draft.h"
+#include "infer/session/scene_edits.h"
 #include "lte/base/check.h"
 #include "lte/scene/inverse_transpose.h"
 #include "lte/scene/number_check.h"
@@ -46,21 +46,21 @@ void check_emission(const Rgb& emission, const std::string& what) {
             what, ": ", text_of(emission), ": expected numbers from 0 to ", scene::kMaxRadiance);
 }
 
-/// Makes the edits of a draft.
+/// Makes the edits of an edited scene.
 class Editor {
  public:
-  Editor(Draft* draft, NextIds* ids, EditReport* report)
-      : draft_(*draft), ids_(*ids), report_(*report) {}
+  Editor(SceneEdits* edits, NextIds* ids, EditReport* report)
+      : edits_(*edits), ids_(*ids), report_(*report) {}
 
   void operator()(const MoveInstance& edit) {
-    const size_t at = index_of(draft_.instance_labels, edit.instance, "instance");
-    check_transform(edit.to_world, draft_.instance_labels[at].name);
-    draft_.instances[at].to_world = edit.to_world;
+    const size_t at = index_of(edits_.instance_labels, edit.instance, "instance");
+    check_transform(edit.to_world, edits_.instance_labels[at].name);
+    edits_.instances[at].to_world = edit.to_world;
   }
 
   void operator()(const SetLight& edit) {
-    const size_t group = group_of(draft_, edit.light);
-    LightSetting& setting = draft_.settings[group];
+    const size_t group = group_of(edits_, edit.light);
+    LightSetting& setting = edits_.settings[group];
     const std::string& name = setting.label.name;
     LTE_CHECK(setting.brightness > 0, "light ", name,
               ": it is black in the file, and stays so at any gain");
@@ -76,12 +76,12 @@ class Editor {
   }
 
   void operator()(const MoveLight& edit) {
-    const size_t group = group_of(draft_, edit.light);
-    const std::string& name = draft_.settings[group].label.name;
+    const size_t group = group_of(edits_, edit.light);
+    const std::string& name = edits_.settings[group].label.name;
     const auto found = std::find_if(
-        draft_.lights.begin(), draft_.lights.end(),
+        edits_.lights.begin(), edits_.lights.end(),
         [&](const scene::PunctualLight& l) { return l.light_group == static_cast<int>(group); });
-    LTE_CHECK(found != draft_.lights.end(), "light ", name,
+    LTE_CHECK(found != edits_.lights.end(), "light ", name,
               ": it is a surface or the environment: move its instance instead");
     const bool sun = found->kind == scene::LightKind::Directional;
     LTE_CHECK(!edit.position || !sun, "light ", name, ": a sun has a direction and no position");
@@ -93,34 +93,34 @@ class Editor {
   }
 
   void operator()(const SetMaterial& edit) {
-    const size_t first = index_of(draft_.material_labels, edit.material, "material");
+    const size_t first = index_of(edits_.material_labels, edit.material, "material");
     const Rgb& c = edit.base_color;
     const auto within = [](float value) { return value >= 0 && value <= 1; };
     LTE_CHECK(within(c.x) && within(c.y) && within(c.z), "material ",
-              draft_.material_labels[first].name, ": base color ", text_of(c),
+              edits_.material_labels[first].name, ": base color ", text_of(c),
               ": expected numbers from 0 to 1");
-    for (size_t m = first; m < draft_.materials.size(); ++m) {
-      if (draft_.material_labels[m].id == edit.material) draft_.materials[m].base_color = c;
+    for (size_t m = first; m < edits_.materials.size(); ++m) {
+      if (edits_.material_labels[m].id == edit.material) edits_.materials[m].base_color = c;
     }
   }
 
   void operator()(const AddInstance& edit) {
-    const size_t like = index_of(draft_.instance_labels, edit.like, "instance");
-    const std::string name = unused_name(draft_.instance_labels[like].name, instance_names());
+    const size_t like = index_of(edits_.instance_labels, edit.like, "instance");
+    const std::string name = unused_name(edits_.instance_labels[like].name, instance_names());
     check_transform(edit.to_world, name);
-    scene::Instance instance = draft_.instances[like];
+    scene::Instance instance = edits_.instances[like];
     instance.to_world = edit.to_world;
     int light = kNone;
     if (instance.light_group != kNone) light = copy_luminaire(&instance);
-    draft_.instances.push_back(instance);
-    draft_.instance_labels.push_back({ids_.instance++, name});
-    report_.added_instances.push_back(draft_.instance_labels.back().id);
+    edits_.instances.push_back(instance);
+    edits_.instance_labels.push_back({ids_.instance++, name});
+    report_.added_instances.push_back(edits_.instance_labels.back().id);
     report_.added_lights.push_back(light);
   }
 
   void operator()(const RemoveInstance& edit) {
-    const size_t at = index_of(draft_.instance_labels, edit.instance, "instance");
-    LTE_CHECK(draft_.instances.size() > 1, "the last instance of a scene cannot be removed");
+    const size_t at = index_of(edits_.instance_labels, edit.instance, "instance");
+    LTE_CHECK(edits_.instances.size() > 1, "the last instance of a scene cannot be removed");
     erase_instance(at);
     tidy();
   }
@@ -128,7 +128,7 @@ class Editor {
   void operator()(const AddLight& edit) {
     scene::PunctualLight light = edit.light;
     const std::string wanted =
-        light.name.empty() ? concat("light ", draft_.settings.size() + 1) : light.name;
+        light.name.empty() ? concat("light ", edits_.settings.size() + 1) : light.name;
     light.name = unused_name(wanted, light_names());
     check_place(light.position, light.name);
     light.direction = unit_direction(light.direction, light.name);
@@ -140,49 +140,49 @@ class Editor {
               "light ", light.name, ": cones ", light.inner_cone, " and ", light.outer_cone,
               ": expected 0 to 90 degrees, the inner one no wider");
     light.light_group = add_group(light.name);
-    draft_.lights.push_back(std::move(light));
-    describe_lights(&draft_);
+    edits_.lights.push_back(std::move(light));
+    describe_lights(&edits_);
     report_.added_instances.push_back(kNone);
-    report_.added_lights.push_back(draft_.settings.back().label.id);
+    report_.added_lights.push_back(edits_.settings.back().label.id);
   }
 
   void operator()(const RemoveLight& edit) {
-    const int group = static_cast<int>(group_of(draft_, edit.light));
-    std::erase_if(draft_.lights,
+    const int group = static_cast<int>(group_of(edits_, edit.light));
+    std::erase_if(edits_.lights,
                   [&](const scene::PunctualLight& light) { return light.light_group == group; });
-    if (draft_.environment && draft_.environment->light_group == group) draft_.environment.reset();
-    for (size_t i = draft_.instances.size(); i-- > 0;) {
-      if (draft_.instances[i].light_group == group) erase_instance(i);
+    if (edits_.environment && edits_.environment->light_group == group) edits_.environment.reset();
+    for (size_t i = edits_.instances.size(); i-- > 0;) {
+      if (edits_.instances[i].light_group == group) erase_instance(i);
     }
-    LTE_CHECK(!draft_.instances.empty(), "the last instance of a scene cannot be removed");
+    LTE_CHECK(!edits_.instances.empty(), "the last instance of a scene cannot be removed");
     tidy();
   }
 
   void operator()(const SetEnvironment& edit) {
     if (!edit.environment) {
-      draft_.environment.reset();
+      edits_.environment.reset();
       return tidy();
     }
     scene::check_environment("environment", *edit.environment);
-    const int group = draft_.environment ? draft_.environment->light_group
+    const int group = edits_.environment ? edits_.environment->light_group
                                          : add_group(unused_name("environment", light_names()));
-    draft_.environment = edit.environment;
-    draft_.environment->light_group = group;
-    LightSetting& setting = draft_.settings[static_cast<size_t>(group)];
+    edits_.environment = edit.environment;
+    edits_.environment->light_group = group;
+    LightSetting& setting = edits_.settings[static_cast<size_t>(group)];
     setting.gain = 1;
     setting.color.reset();
-    describe_lights(&draft_);
+    describe_lights(&edits_);
   }
 
  private:
   void set_color(size_t group, const Rgb& color) {
-    LightSetting& setting = draft_.settings[group];
+    LightSetting& setting = edits_.settings[group];
     check_emission(color, concat("light ", setting.label.name, ": color"));
     const float peak = max_component(color);
     LTE_CHECK(peak > 0, "light ", setting.label.name,
               ": color 0 0 0: expected one of its numbers above 0; gain 0 switches a light off");
     const bool has_zero =
-        !setting.hue || setting.hue->x <= 0 || setting.hue->y <= 0 || setting.hue->z <= 0;
+        !setting.tint || setting.tint->x <= 0 || setting.tint->y <= 0 || setting.tint->z <= 0;
     if (has_zero) make_white(static_cast<int>(group));
     setting.color = color / peak;
   }
@@ -194,78 +194,78 @@ class Editor {
       const float peak = max_component(*emission);
       *emission = {peak, peak, peak};
     };
-    const std::vector<int> groups = group_of_material(draft_);
+    const std::vector<int> groups = group_of_material(edits_);
     for (size_t m = 0; m < groups.size(); ++m) {
-      if (groups[m] == group) white(&draft_.materials[m].emission);
+      if (groups[m] == group) white(&edits_.materials[m].emission);
     }
-    for (scene::PunctualLight& light : draft_.lights) {
+    for (scene::PunctualLight& light : edits_.lights) {
       if (light.light_group == group) white(&light.intensity);
     }
-    if (draft_.environment && draft_.environment->light_group == group)
-      white(&draft_.environment->radiance);
-    describe_lights(&draft_);
+    if (edits_.environment && edits_.environment->light_group == group)
+      white(&edits_.environment->radiance);
+    describe_lights(&edits_);
   }
 
   int add_group(const std::string& name) {
     LightSetting setting;
     setting.label = {ids_.light++, name};
-    draft_.settings.push_back(std::move(setting));
-    return static_cast<int>(draft_.settings.size()) - 1;
+    edits_.settings.push_back(std::move(setting));
+    return static_cast<int>(edits_.settings.size()) - 1;
   }
 
   /// A luminaire of its own for a copy of one: its mesh and material as well. Returns its number.
   int copy_luminaire(scene::Instance* instance) {
-    const LightSetting like = draft_.settings[static_cast<size_t>(instance->light_group)];
-    const MeshUse use = draft_.meshes[static_cast<size_t>(instance->mesh)];
+    const LightSetting like = edits_.settings[static_cast<size_t>(instance->light_group)];
+    const MeshUse use = edits_.meshes[static_cast<size_t>(instance->mesh)];
     instance->light_group = add_group(unused_name(like.label.name, light_names()));
-    LightSetting& setting = draft_.settings.back();
+    LightSetting& setting = edits_.settings.back();
     setting.gain = like.gain;
     setting.color = like.color;
     setting.touched = like.gain != 1 || like.color.has_value();
-    instance->mesh = static_cast<int>(draft_.meshes.size());
-    draft_.meshes.push_back({use.base, static_cast<int>(draft_.materials.size())});
-    draft_.materials.push_back(draft_.materials[static_cast<size_t>(use.material)]);
-    draft_.material_labels.push_back(draft_.material_labels[static_cast<size_t>(use.material)]);
+    instance->mesh = static_cast<int>(edits_.meshes.size());
+    edits_.meshes.push_back({use.base, static_cast<int>(edits_.materials.size())});
+    edits_.materials.push_back(edits_.materials[static_cast<size_t>(use.material)]);
+    edits_.material_labels.push_back(edits_.material_labels[static_cast<size_t>(use.material)]);
     setting.brightness = like.brightness;
-    setting.hue = like.hue;
+    setting.tint = like.tint;
     return setting.label.id;
   }
 
   void erase_instance(size_t at) {
-    draft_.instances.erase(draft_.instances.begin() + static_cast<ptrdiff_t>(at));
-    draft_.instance_labels.erase(draft_.instance_labels.begin() + static_cast<ptrdiff_t>(at));
+    edits_.instances.erase(edits_.instances.begin() + static_cast<ptrdiff_t>(at));
+    edits_.instance_labels.erase(edits_.instance_labels.begin() + static_cast<ptrdiff_t>(at));
   }
 
   /// Drops luminaires without any part, and copies of meshes and materials that nothing uses.
   void tidy() {
     tidy_groups();
     const auto used_meshes = [&] {
-      std::vector<bool> used(draft_.meshes.size());
-      for (const scene::Instance& instance : draft_.instances)
+      std::vector<bool> used(edits_.meshes.size());
+      for (const scene::Instance& instance : edits_.instances)
         used[static_cast<size_t>(instance.mesh)] = true;
       return used;
     }();
-    const std::vector<int> mesh = keep(used_meshes, draft_.base_meshes, &draft_.meshes);
-    for (scene::Instance& instance : draft_.instances)
+    const std::vector<int> mesh = keep(used_meshes, edits_.base_meshes, &edits_.meshes);
+    for (scene::Instance& instance : edits_.instances)
       instance.mesh = mesh[static_cast<size_t>(instance.mesh)];
-    std::vector<bool> used(draft_.materials.size());
-    for (const MeshUse& use : draft_.meshes) used[static_cast<size_t>(use.material)] = true;
-    const std::vector<int> material = keep(used, draft_.base_materials, &draft_.materials);
-    keep(used, draft_.base_materials, &draft_.material_labels);
-    for (MeshUse& use : draft_.meshes) use.material = material[static_cast<size_t>(use.material)];
+    std::vector<bool> used(edits_.materials.size());
+    for (const MeshUse& use : edits_.meshes) used[static_cast<size_t>(use.material)] = true;
+    const std::vector<int> material = keep(used, edits_.base_materials, &edits_.materials);
+    keep(used, edits_.base_materials, &edits_.material_labels);
+    for (MeshUse& use : edits_.meshes) use.material = material[static_cast<size_t>(use.material)];
   }
 
   void tidy_groups() {
-    std::vector<bool> used(draft_.settings.size());
+    std::vector<bool> used(edits_.settings.size());
     const auto each = [&](const auto& visit) {
-      for (scene::Instance& instance : draft_.instances) visit(&instance.light_group);
-      for (scene::PunctualLight& light : draft_.lights) visit(&light.light_group);
-      if (draft_.environment) visit(&draft_.environment->light_group);
+      for (scene::Instance& instance : edits_.instances) visit(&instance.light_group);
+      for (scene::PunctualLight& light : edits_.lights) visit(&light.light_group);
+      if (edits_.environment) visit(&edits_.environment->light_group);
     };
     each([&](const int* group) {
       if (*group != kNone) used[static_cast<size_t>(*group)] = true;
     });
-    const std::vector<int> number = keep(used, 0, &draft_.settings);
+    const std::vector<int> number = keep(used, 0, &edits_.settings);
     each([&](int* group) {
       if (*group != kNone) *group = number[static_cast<size_t>(*group)];
     });
@@ -288,24 +288,24 @@ class Editor {
 
   std::vector<std::string> light_names() const {
     std::vector<std::string> names;
-    for (const LightSetting& setting : draft_.settings) names.push_back(setting.label.name);
+    for (const LightSetting& setting : edits_.settings) names.push_back(setting.label.name);
     return names;
   }
   std::vector<std::string> instance_names() const {
     std::vector<std::string> names;
-    for (const Label& label : draft_.instance_labels) names.push_back(label.name);
+    for (const Label& label : edits_.instance_labels) names.push_back(label.name);
     return names;
   }
 
-  Draft& draft_;
+  SceneEdits& edits_;
   NextIds& ids_;
   EditReport& report_;
 };
 
 }  // namespace
 
-void apply_edit(const Edit& edit, Draft* draft, NextIds* ids, EditReport* report) {
-  std::visit(Editor(draft, ids, report), edit);
+void apply_edit(const Edit& edit, SceneEdits* edits, NextIds* ids, EditReport* report) {
+  std::visit(Editor(edits, ids, report), edit);
 }
 
 }  // namespace lte::infer

@@ -27,25 +27,25 @@ std::vector<scene::Camera> without_repeats(std::vector<scene::Camera> cameras) {
   return cameras;
 }
 
-bool CulledLights::fits(const Draft& draft, const std::vector<scene::Camera>& seen_by) const {
-  return same_cameras(cameras, seen_by) && same_points(*found_for, draft);
+bool CulledLights::fits(const SceneEdits& edits, const std::vector<scene::Camera>& seen_by) const {
+  return same_cameras(cameras, seen_by) && same_points(*found_for, edits);
 }
 
-std::vector<int> groups_of(const Draft& draft, const std::vector<int>& lights) {
+std::vector<int> groups_of(const SceneEdits& edits, const std::vector<int>& lights) {
   std::vector<int> groups;
-  for (size_t g = 0; g < draft.settings.size(); ++g) {
-    if (contains(lights, draft.settings[g].label.id)) groups.push_back(static_cast<int>(g));
+  for (size_t g = 0; g < edits.settings.size(); ++g) {
+    if (contains(lights, edits.settings[g].label.id)) groups.push_back(static_cast<int>(g));
   }
   return groups;
 }
 
-std::vector<LightGroups> without_groups(std::vector<LightGroups> layers, const Draft& draft,
+std::vector<LightGroups> without_groups(std::vector<LightGroups> layers, const SceneEdits& edits,
                                         const std::vector<int>& groups) {
   for (LightGroups& layer : layers)
     std::erase_if(layer.groups, [&](const int group) { return contains(groups, group); });
   std::erase_if(layers, [&](const LightGroups& layer) {
     return std::all_of(layer.groups.begin(), layer.groups.end(), [&](const int group) {
-      return draft.settings[static_cast<size_t>(group)].brightness <= 0;
+      return edits.settings[static_cast<size_t>(group)].brightness <= 0;
     });
   });
   return layers;

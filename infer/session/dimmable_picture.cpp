@@ -11,9 +11,9 @@ namespace {
 
 constexpr int64_t kSumGrain = 1 << 14;
 
-/// The draft with the light of some groups alone, at gain 1.
-std::shared_ptr<const Draft> lit_by(const Draft& draft, const std::vector<int>& groups) {
-  auto out = std::make_shared<Draft>(draft);
+/// The edits with the light of some groups alone, at gain 1.
+std::shared_ptr<const SceneEdits> lit_by(const SceneEdits& edits, const std::vector<int>& groups) {
+  auto out = std::make_shared<SceneEdits>(edits);
   for (size_t g = 0; g < out->settings.size(); ++g) {
     const bool shines =
         std::find(groups.begin(), groups.end(), static_cast<int>(g)) != groups.end();
@@ -23,12 +23,12 @@ std::shared_ptr<const Draft> lit_by(const Draft& draft, const std::vector<int>& 
   return out;
 }
 
-/// What the network makes of the light of some groups; null if it is told of none of it.
+/// What the network makes of the light of some groups; null if it reads none of it.
 std::shared_ptr<const LightLayer> encoding_of(const SessionState::Parts& state,
                                               const std::vector<int>& groups) {
   for (const ScaledLayer& each : state.layers) {
     for (const int group : groups) {
-      const int light = state.draft->settings[static_cast<size_t>(group)].label.id;
+      const int light = state.edits->settings[static_cast<size_t>(group)].label.id;
       if (std::ranges::count(each.layer->lights, light) > 0) return each.layer;
     }
   }
@@ -40,9 +40,9 @@ std::shared_ptr<const SessionState::Parts> layer_alone(const SessionState::Parts
                                                        const std::vector<int>& groups) {
   auto alone = std::make_shared<SessionState::Parts>();
   alone->base = state.base;
-  alone->draft = lit_by(*state.draft, groups);
+  alone->edits = lit_by(*state.edits, groups);
   EditReport ignored;
-  const Traced traced = trace(*alone->base, *alone->draft, /*lit=*/true, &ignored);
+  const Traced traced = trace(*alone->base, *alone->edits, /*lit=*/true, &ignored);
   alone->scene = traced.scene;
   alone->bvh = traced.bvh;
   alone->lights = traced.lights;
@@ -75,7 +75,7 @@ bool same_layers(const std::vector<ScaledLayer>& a, const std::vector<ScaledLaye
 DimmablePicture::DimmablePicture(StatePtr state, Output output, int64_t pixels)
     : made_for_(std::move(state)), output_(output) {
   const SessionState::Parts& parts = made_for_->parts();
-  const std::vector<LightGroups> groups = layers_apart(*parts.draft);
+  const std::vector<LightGroups> groups = layers_apart(*parts.edits);
   const int64_t bytes = scene_bytes(*parts.scene) + pixels * int64_t{sizeof(Rgb)};
   apart_ = !render::is_geometry(output) && parts.accuracy == Accuracy::Full && !groups.empty() &&
            std::ssize(groups) * bytes <= kMaxBytes;
@@ -93,7 +93,7 @@ bool DimmablePicture::fits(const SessionState& state) const {
   const SessionState::Parts &a = made_for_->parts(), &b = state.parts();
   return a.base == b.base && a.asks_network == b.asks_network && a.answered_by == b.answered_by &&
          a.records == b.records && b.accuracy == Accuracy::Full &&
-         same_points(*a.draft, *b.draft) && layers_apart(*a.draft) == layers_apart(*b.draft) &&
+         same_points(*a.edits, *b.edits) && layers_apart(*a.edits) == layers_apart(*b.edits) &&
          same_layers(a.layers, b.layers);
 }
 
@@ -134,7 +134,7 @@ image::Image DimmablePicture::color(const SessionState& state) const {
   const float mean = 1 / static_cast<float>(pictures_);
   image::Image out;
   for (const Layer& layer : layers_) {
-    const auto& settings = state.parts().draft->settings;
+    const auto& settings = state.parts().edits->settings;
     const Rgb gain = apart_ ? settings[static_cast<size_t>(layer.group)].scale() : Rgb{1, 1, 1};
     add_scaled(layer.sum, gain * mean, &out);
   }

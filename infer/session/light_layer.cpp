@@ -11,13 +11,13 @@
 namespace lte::infer {
 namespace {
 
-// Of Accuracy::Draft: one of so many points, and rounds of the search for light.
+// Of Accuracy::Coarse: one of so many points, and rounds of the search for light.
 constexpr int64_t kDraftShare = 2;
 constexpr int kDraftRounds = 2;
 
-std::set<int> shining_suns(const Draft& draft) {
+std::set<int> shining_suns(const SceneEdits& edits) {
   std::set<int> groups;
-  for (const scene::PunctualLight& light : draft.lights) {
+  for (const scene::PunctualLight& light : edits.lights) {
     if (light.kind == scene::LightKind::Directional && max_component(light.intensity) > 0)
       groups.insert(light.light_group);
   }
@@ -26,11 +26,11 @@ std::set<int> shining_suns(const Draft& draft) {
 
 /// The points that a network sees beside the light of `groups`. Those of a sun that it was not
 /// trained with are left out unless nothing else shines, as drop_untrained_suns() has it.
-std::vector<size_t> rows_of(const Draft& draft, const scene::SurfaceSamples& surface,
+std::vector<size_t> rows_of(const SceneEdits& edits, const scene::SurfaceSamples& surface,
                             const std::vector<int>& groups, const runtime::Network& network) {
   std::set<int> seen(groups.begin(), groups.end());
   if (!network.metadata().suns) {
-    const std::set<int> suns = shining_suns(draft);
+    const std::set<int> suns = shining_suns(edits);
     const bool others = std::any_of(seen.begin(), seen.end(),
                                     [&](const int group) { return !suns.contains(group); });
     if (others) std::erase_if(seen, [&](const int group) { return suns.contains(group); });
@@ -86,9 +86,9 @@ void scale_rows(const std::vector<Rgb>& gains, size_t points, std::vector<Rgb>* 
   for (size_t i = 0; i < values->size(); ++i) (*values)[i] *= gains[i / points];
 }
 
-data::PointLight sum_of(const pathtrace::LightEstimates& light, size_t points,
-                        const std::vector<int>& groups, const std::vector<Rgb>& gains,
-                        const runtime::LightRequest& input) {
+data::PointIrradiance sum_of(const pathtrace::LightEstimates& light, size_t points,
+                             const std::vector<int>& groups, const std::vector<Rgb>& gains,
+                             const runtime::LightRequest& input) {
   pathtrace::LightEstimates some;
   some.direct = groups_of(light.direct, points, groups);
   some.indirect = groups_of(light.indirect, points, groups);
@@ -136,10 +136,10 @@ GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   return out;
 }
 
-std::vector<LightGroups> layers_apart(const Draft& draft) {
+std::vector<LightGroups> layers_apart(const SceneEdits& edits) {
   std::vector<LightGroups> layers(1);
-  for (size_t g = 0; g < draft.settings.size(); ++g) {
-    if (draft.settings[g].touched) {
+  for (size_t g = 0; g < edits.settings.size(); ++g) {
+    if (edits.settings[g].touched) {
       layers.push_back({{static_cast<int>(g)}});
     } else {
       layers.front().groups.push_back(static_cast<int>(g));
@@ -147,16 +147,16 @@ std::vector<LightGroups> layers_apart(const Draft& draft) {
   }
   std::erase_if(layers, [&](const LightGroups& layer) {
     return std::all_of(layer.groups.begin(), layer.groups.end(), [&](const int group) {
-      return draft.settings[static_cast<size_t>(group)].brightness <= 0;
+      return edits.settings[static_cast<size_t>(group)].brightness <= 0;
     });
   });
   return layers;
 }
 
-std::vector<LightGroups> layers_together(const Draft& draft) {
+std::vector<LightGroups> layers_together(const SceneEdits& edits) {
   LightGroups all{{}, /*as_dimmed=*/true};
-  for (size_t g = 0; g < draft.settings.size(); ++g) {
-    const LightSetting& setting = draft.settings[g];
+  for (size_t g = 0; g < edits.settings.size(); ++g) {
+    const LightSetting& setting = edits.settings[g];
     if (setting.brightness > 0 && max_component(setting.scale()) > 0)
       all.groups.push_back(static_cast<int>(g));
   }
@@ -167,11 +167,11 @@ std::vector<LightGroups> layers_together(const Draft& draft) {
 namespace {
 
 /// The numbers of a layer's luminaires and, where they are encoded as dimmed, the gains.
-std::pair<std::vector<int>, std::vector<Rgb>> lights_of(const Draft& draft,
+std::pair<std::vector<int>, std::vector<Rgb>> lights_of(const SceneEdits& edits,
                                                         const LightGroups& layer) {
   std::pair<std::vector<int>, std::vector<Rgb>> out;
   for (const int group : layer.groups) {
-    const LightSetting& setting = draft.settings[static_cast<size_t>(group)];
+    const LightSetting& setting = edits.settings[static_cast<size_t>(group)];
     out.first.push_back(setting.label.id);
     if (layer.as_dimmed) out.second.push_back(setting.scale());
   }
@@ -180,22 +180,22 @@ std::pair<std::vector<int>, std::vector<Rgb>> lights_of(const Draft& draft,
 
 }  // namespace
 
-bool LightLayer::is(const Draft& draft, const LightGroups& wanted) const {
-  return lights_of(draft, wanted) == std::pair(lights, gains);
+bool LightLayer::is(const SceneEdits& edits, const LightGroups& wanted) const {
+  return lights_of(edits, wanted) == std::pair(lights, gains);
 }
 
-std::shared_ptr<const LightLayer> encode_layer(const Draft& draft,
+std::shared_ptr<const LightLayer> encode_layer(const SceneEdits& edits,
                                                std::shared_ptr<const GroupedPoints> drawn,
                                                const LightGroups& wanted,
                                                const runtime::Network& network,
                                                const EmbedSettings& settings) {
   auto layer = std::make_shared<LightLayer>();
   layer->points = std::move(drawn);
-  std::tie(layer->lights, layer->gains) = lights_of(draft, wanted);
+  std::tie(layer->lights, layer->gains) = lights_of(edits, wanted);
   const GroupedPoints& points = *layer->points;
   const std::vector<int>& groups = wanted.groups;
   const size_t count = points.surface.position.size();
-  const std::vector<size_t> rows = rows_of(draft, points.surface, groups, network);
+  const std::vector<size_t> rows = rows_of(edits, points.surface, groups, network);
   embed::LitSamples lit;
   if (points.light)
     lit.light = sum_of(*points.light, count, groups, layer->gains, network.light_request());
@@ -210,7 +210,7 @@ std::shared_ptr<const LightLayer> encode_layer(const Draft& draft,
     lit.light.indirect_back = select(lit.light.indirect_back, rows);
     lit.light.error = select(lit.light.error, rows, 2);
     // All layers see the scene in the same place.
-    if (groups.size() < draft.settings.size()) {
+    if (groups.size() < edits.settings.size()) {
       Bounds bounds;
       for (const Vec3& position : points.surface.position) bounds.extend(position);
       options.origin = bounds.low;
@@ -220,7 +220,7 @@ std::shared_ptr<const LightLayer> encode_layer(const Draft& draft,
     for (size_t i = 0; i < lit.surface.emission.size(); ++i) {
       const int group = lit.surface.light_group[i];
       if (group != scene::kNone)
-        lit.surface.emission[i] *= draft.settings[static_cast<size_t>(group)].scale();
+        lit.surface.emission[i] *= edits.settings[static_cast<size_t>(group)].scale();
     }
   }
   layer->embedding =

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "infer/renderer/renderer.h"
-#include "infer/session/draft.h"
+#include "infer/session/scene_edits.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/light_estimates.h"
 #include "lte/pathtrace/lights/lights.h"
@@ -23,7 +23,7 @@ namespace lte::infer {
 
 /// The points that describe a scene whose luminaires all have gain 1.
 struct GroupedPoints {
-  std::shared_ptr<const Draft> drawn_for;
+  std::shared_ptr<const SceneEdits> drawn_for;
   std::vector<int> culled;  ///< luminaires that count as none, by their numbers
   scene::SurfaceSamples surface;
   /// By light group; nothing for a network that reads no light.
@@ -39,8 +39,8 @@ struct PointsBefore {
 };
 
 /// Draws the points and estimates the light on them, as Renderer::embed() does.
-/// @param settings  `culled_lights` of this draft
-/// @param accuracy  Draft or Full
+/// @param settings  `culled_lights` of this edited scene
+/// @param accuracy  Coarse or Full
 /// @param check     called now and then by any thread; what it throws ends it. May be null.
 /// @param report    gets points_ms, light_ms and points_drawn
 GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
@@ -58,9 +58,9 @@ struct LightGroups {
 
 /// The light groups of each layer that has light: the untouched ones together, each touched one by
 /// itself.
-std::vector<LightGroups> layers_apart(const Draft& draft);
+std::vector<LightGroups> layers_apart(const SceneEdits& edits);
 /// All that shine now in one layer, at their gains; none in the dark.
-std::vector<LightGroups> layers_together(const Draft& draft);
+std::vector<LightGroups> layers_together(const SceneEdits& edits);
 
 /// The encoding of the light of some groups.
 struct LightLayer {
@@ -69,13 +69,13 @@ struct LightLayer {
   std::vector<Rgb> gains;   ///< of each, where they are encoded as dimmed; otherwise none
   std::shared_ptr<const runtime::SceneEmbedding> embedding;
 
-  /// Whether it is the layer of these groups of a draft.
-  bool is(const Draft& draft, const LightGroups& wanted) const;
+  /// Whether it is the layer of these groups of an edited scene.
+  bool is(const SceneEdits& edits, const LightGroups& wanted) const;
 };
 
 /// Encodes the light of some groups alone. The points of other luminaires are left out: in the dark
 /// they would be surfaces whose light nobody has estimated.
-std::shared_ptr<const LightLayer> encode_layer(const Draft& draft,
+std::shared_ptr<const LightLayer> encode_layer(const SceneEdits& edits,
                                                std::shared_ptr<const GroupedPoints> points,
                                                const LightGroups& wanted,
                                                const runtime::Network& network,

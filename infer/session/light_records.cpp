@@ -5,33 +5,33 @@
 
 namespace lte::infer {
 
-bool LightRecords::fit(const Draft& draft, Method by) const {
-  return filled_by == by && same_points(*drawn_for, draft);
+bool LightRecords::fit(const SceneEdits& edits, Method by) const {
+  return filled_by == by && same_points(*drawn_for, edits);
 }
 
-LightRecords::Gains LightRecords::gains(const Draft& draft) const {
+LightRecords::Gains LightRecords::gains(const SceneEdits& edits) const {
   Gains out;
   for (size_t g = 0; g < drawn_for->settings.size(); ++g) {
     const int light = drawn_for->settings[g].label.id;
-    const auto now = std::find_if(draft.settings.begin(), draft.settings.end(),
+    const auto now = std::find_if(edits.settings.begin(), edits.settings.end(),
                                   [&](const LightSetting& s) { return s.label.id == light; });
-    if (now == draft.settings.end() || max_component(now->scale()) <= 0) continue;
+    if (now == edits.settings.end() || max_component(now->scale()) <= 0) continue;
     out.groups.push_back(static_cast<int>(g));
     out.scales.push_back(now->scale());
   }
   return out;
 }
 
-gi::RecordLight LightRecords::light(const Draft& draft) const {
-  const Gains some = gains(draft);
+gi::RecordLight LightRecords::light(const SceneEdits& edits) const {
+  const Gains some = gains(edits);
   return traced.light_of(some.groups, some.scales);
 }
 
 LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                 std::shared_ptr<const Draft> draft, Method by,
+                                 std::shared_ptr<const SceneEdits> edits, Method by,
                                  const render::CacheSettings& settings,
                                  const std::function<void()>& check) {
-  return {std::move(draft), by, trace_records(bvh, lights, settings, by, check)};
+  return {std::move(edits), by, trace_records(bvh, lights, settings, by, check)};
 }
 
 std::shared_ptr<const gi::IrradianceCache> LazyCache::get() {

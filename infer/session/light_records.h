@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "infer/session/draft.h"
+#include "infer/session/scene_edits.h"
 #include "infer/session/traced_records.h"
 #include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
@@ -18,28 +18,29 @@ namespace lte::infer {
 
 /// Records of a scene whose luminaires all have gain 1.
 struct LightRecords {
-  std::shared_ptr<const Draft> drawn_for;
+  std::shared_ptr<const SceneEdits> drawn_for;
   Method filled_by = Method::Gather;  ///< Network: direct light alone, at all records
   TracedRecords traced;
 
-  /// Whether they hold for a draft: that differs from theirs by gains and colors alone.
-  bool fit(const Draft& draft, Method by) const;
-  /// The light on the records with the gains that luminaires of these numbers have in a draft.
-  /// Those that the draft has not are dark; those that the records have not bring nothing.
-  gi::RecordLight light(const Draft& draft) const;
+  /// Whether they hold for an edited scene: that differs from theirs by gains and colors alone.
+  bool fit(const SceneEdits& edits, Method by) const;
+  /// The light on the records with the gains that luminaires of these numbers have in an edited
+  /// scene. Those that the edited scene has not are dark; those that the records have not bring
+  /// nothing.
+  gi::RecordLight light(const SceneEdits& edits) const;
 
  private:
   struct Gains {
     std::vector<int> groups;
     std::vector<Rgb> scales;
   };
-  Gains gains(const Draft& draft) const;
+  Gains gains(const SceneEdits& edits) const;
 };
 
 /// @param settings  with the seed of the places and their light
 /// @param check  called now and then; what it throws ends it. May be null.
 LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                 std::shared_ptr<const Draft> draft, Method by,
+                                 std::shared_ptr<const SceneEdits> edits, Method by,
                                  const render::CacheSettings& settings,
                                  const std::function<void()>& check);
 

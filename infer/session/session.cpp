@@ -13,18 +13,18 @@
 namespace lte::infer {
 namespace {
 
-using DraftPtr = std::shared_ptr<const Draft>;
+using SceneEditsPtr = std::shared_ptr<const SceneEdits>;
 
-/// The draft with some luminaires encoded apart; itself if they are already.
-DraftPtr touched(const DraftPtr& draft, const std::vector<int>& lights) {
-  auto out = std::make_shared<Draft>(*draft);
+/// The edits with some luminaires encoded apart; itself if they are already.
+SceneEditsPtr touched(const SceneEditsPtr& edits, const std::vector<int>& lights) {
+  auto out = std::make_shared<SceneEdits>(*edits);
   bool changed = false;
   for (LightSetting& setting : out->settings) {
     const bool wanted = std::find(lights.begin(), lights.end(), setting.label.id) != lights.end();
     if (!wanted || setting.touched || setting.brightness <= 0) continue;
     setting.touched = changed = true;
   }
-  return changed ? out : draft;
+  return changed ? out : edits;
 }
 
 /// What ends the work on a state that nobody waits for any more.
@@ -60,13 +60,13 @@ struct Session::Implementation {
   EditReport first;
   std::shared_ptr<const int> alive = std::make_shared<const int>(0);
 
-  std::mutex edits;  ///< held while a state is made, for seconds; guards `ids`
+  std::mutex editing;  ///< held while a state is made, for seconds; guards `ids`
   NextIds ids;
 
   mutable std::mutex mutex;  ///< guards what follows, for moments; only edits change it
   StatePtr now;
-  std::deque<DraftPtr> before, after;  ///< of undo and redo; the nearest step last
-  DraftPtr beginning;
+  std::deque<SceneEditsPtr> before, after;  ///< of undo and redo; the nearest step last
+  SceneEditsPtr beginning;
 
   StatePtr state() const {
     const std::lock_guard lock(mutex);
@@ -75,14 +75,14 @@ struct Session::Implementation {
 
   const SessionState::Parts& parts(const StatePtr& state) const { return state->parts(); }
 
-  /// Makes a state of the draft and puts it in the place of the one of now, and then has the steps
+  /// Makes a state of the edits and puts it in the place of the one of now, and then has the steps
   /// of undo and redo changed.
   template <typename Steps>
-  void go_to(DraftPtr draft, const Wanted& wanted, const Timer& timer, EditReport* report,
+  void go_to(SceneEditsPtr edited, const Wanted& wanted, const Timer& timer, EditReport* report,
              const Steps& change_steps) {
     const StatePtr last = state();
     std::unique_ptr<SessionState::Parts> made =
-        make_parts(base, std::move(draft), last ? &last->parts() : nullptr, wanted, report);
+        make_parts(base, std::move(edited), last ? &last->parts() : nullptr, wanted, report);
     made->alive = alive;
     StatePtr next(new SessionState(std::move(made)));
     report->total_ms = 1e3 * timer.seconds();
@@ -91,14 +91,15 @@ struct Session::Implementation {
     change_steps();
   }
 
-  /// Goes to the nearest of `steps`, if there is one, and has the draft of before kept.
+  /// Goes to the nearest of `steps`, if there is one, and has the edits of before kept.
   template <typename Keep>
-  std::optional<EditReport> step(std::deque<DraftPtr>* steps, Accuracy least, const Keep& keep) {
-    const std::lock_guard lock(edits);
+  std::optional<EditReport> step(std::deque<SceneEditsPtr>* steps, Accuracy least,
+                                 const Keep& keep) {
+    const std::lock_guard lock(editing);
     if (steps->empty()) return std::nullopt;
     const Timer timer;
     EditReport report;
-    const DraftPtr last = parts(state()).draft;
+    const SceneEditsPtr last = parts(state()).edits;
     go_to(steps->back(), {least}, timer, &report, [&] {
       steps->pop_back();
       keep(last);
@@ -106,8 +107,8 @@ struct Session::Implementation {
     return report;
   }
 
-  void remember(DraftPtr draft) {
-    before.push_back(std::move(draft));
+  void remember(SceneEditsPtr edited) {
+    before.push_back(std::move(edited));
     while (before.size() > static_cast<size_t>(std::max(0, base->settings.undo_steps)))
       before.pop_front();
   }
@@ -119,7 +120,7 @@ Session::Session(scene::Scene scene, std::optional<runtime::Network> network,
   Implementation& own = *implementation_;
   const Timer timer;
   own.base = std::make_shared<const SessionBase>(std::move(scene), std::move(network), settings);
-  own.beginning = std::make_shared<const Draft>(make_draft(own.base->scene, &own.ids));
+  own.beginning = std::make_shared<const SceneEdits>(make_edits(own.base->scene, &own.ids));
   own.go_to(own.beginning, {}, timer, &own.first, [] {});
 }
 
@@ -130,13 +131,13 @@ const EditReport& Session::first_report() const { return implementation_->first;
 
 EditReport Session::apply(std::span<const Edit> edits, bool merge, Accuracy least) {
   Implementation& own = *implementation_;
-  const std::lock_guard lock(own.edits);
+  const std::lock_guard lock(own.editing);
   const Timer timer;
   EditReport report;
-  const DraftPtr last = own.parts(own.state()).draft;
-  auto draft = std::make_shared<Draft>(*last);
-  for (const Edit& edit : edits) apply_edit(edit, draft.get(), &own.ids, &report);
-  own.go_to(std::move(draft), {least}, timer, &report, [&] {
+  const SceneEditsPtr last = own.parts(own.state()).edits;
+  auto edited = std::make_shared<SceneEdits>(*last);
+  for (const Edit& edit : edits) apply_edit(edit, edited.get(), &own.ids, &report);
+  own.go_to(std::move(edited), {least}, timer, &report, [&] {
     own.after.clear();
     if (!merge || own.before.empty()) own.remember(last);
   });
@@ -150,18 +151,18 @@ EditReport Session::apply(const Edit& edit, bool merge, Accuracy least) {
 std::optional<EditReport> Session::undo(Accuracy least) {
   Implementation& own = *implementation_;
   return own.step(&own.before, least,
-                  [&own](DraftPtr last) { own.after.push_back(std::move(last)); });
+                  [&own](SceneEditsPtr last) { own.after.push_back(std::move(last)); });
 }
 
 std::optional<EditReport> Session::redo(Accuracy least) {
   Implementation& own = *implementation_;
-  return own.step(&own.after, least, [&own](DraftPtr last) { own.remember(std::move(last)); });
+  return own.step(&own.after, least, [&own](SceneEditsPtr last) { own.remember(std::move(last)); });
 }
 
 std::optional<EditReport> Session::reset(Accuracy least) {
   Implementation& own = *implementation_;
-  const std::lock_guard lock(own.edits);
-  const DraftPtr last = own.parts(own.state()).draft;
+  const std::lock_guard lock(own.editing);
+  const SceneEditsPtr last = own.parts(own.state()).edits;
   if (same_scene(*last, *own.beginning)) return std::nullopt;
   const Timer timer;
   EditReport report;
@@ -174,12 +175,12 @@ std::optional<EditReport> Session::reset(Accuracy least) {
 
 bool Session::remembers(int instance) const {
   const Implementation& own = *implementation_;
-  const auto has = [&](const DraftPtr& draft) {
-    return std::any_of(draft->instance_labels.begin(), draft->instance_labels.end(),
+  const auto has = [&](const SceneEditsPtr& edits) {
+    return std::any_of(edits->instance_labels.begin(), edits->instance_labels.end(),
                        [&](const Label& label) { return label.id == instance; });
   };
   const std::lock_guard lock(own.mutex);
-  return has(own.parts(own.now).draft) || has(own.beginning) ||
+  return has(own.parts(own.now).edits) || has(own.beginning) ||
          std::any_of(own.before.begin(), own.before.end(), has) ||
          std::any_of(own.after.begin(), own.after.end(), has);
 }
@@ -196,13 +197,13 @@ bool Session::can_redo() const {
 
 std::optional<EditReport> Session::refine(Accuracy to, const Stop& stop) {
   Implementation& own = *implementation_;
-  const std::lock_guard lock(own.edits);
+  const std::lock_guard lock(own.editing);
   const StatePtr last = own.state();
   if (last->accuracy() >= to) return std::nullopt;
   const Timer timer;
   EditReport report;
   try {
-    own.go_to(own.parts(last).draft, {to, throwing(stop)}, timer, &report, [] {});
+    own.go_to(own.parts(last).edits, {to, throwing(stop)}, timer, &report, [] {});
   } catch (const Stopped&) {
     return std::nullopt;
   }
@@ -212,7 +213,7 @@ std::optional<EditReport> Session::refine(Accuracy to, const Stop& stop) {
 std::optional<EditReport> Session::look_from(std::vector<scene::Camera> cameras, Accuracy least,
                                              const Stop& stop) {
   Implementation& own = *implementation_;
-  const std::lock_guard lock(own.edits);
+  const std::lock_guard lock(own.editing);
   const StatePtr last = own.state();
   const SessionState::Parts& parts = own.parts(last);
   cameras = without_repeats(std::move(cameras));
@@ -220,7 +221,7 @@ std::optional<EditReport> Session::look_from(std::vector<scene::Camera> cameras,
   const Timer timer;
   EditReport report;
   try {
-    own.go_to(parts.draft, {least, throwing(stop), std::move(cameras)}, timer, &report, [] {});
+    own.go_to(parts.edits, {least, throwing(stop), std::move(cameras)}, timer, &report, [] {});
   } catch (const Stopped&) {
     return std::nullopt;
   }
@@ -230,10 +231,10 @@ std::optional<EditReport> Session::look_from(std::vector<scene::Camera> cameras,
 
 std::optional<EditReport> Session::separate(std::span<const int> lights, const Stop& stop) {
   Implementation& own = *implementation_;
-  const std::lock_guard lock(own.edits);
+  const std::lock_guard lock(own.editing);
   const Timer timer;
   EditReport report;
-  const DraftPtr last = own.parts(own.state()).draft;
+  const SceneEditsPtr last = own.parts(own.state()).edits;
   std::vector<int> wanted(lights.begin(), lights.end());
   for (const int light : wanted) group_of(*last, light);
   if (wanted.empty()) {
@@ -242,8 +243,8 @@ std::optional<EditReport> Session::separate(std::span<const int> lights, const S
   try {
     own.go_to(touched(last, wanted), {Accuracy::Full, throwing(stop)}, timer, &report, [&] {
       own.beginning = touched(own.beginning, wanted);
-      for (std::deque<DraftPtr>* steps : {&own.before, &own.after}) {
-        for (DraftPtr& step : *steps) step = touched(step, wanted);
+      for (std::deque<SceneEditsPtr>* steps : {&own.before, &own.after}) {
+        for (SceneEditsPtr& step : *steps) step = touched(step, wanted);
       }
     });
   } catch (const Stopped&) {
@@ -261,7 +262,7 @@ AnswerChange Session::change_against_fresh(const runtime::QueryPoints& queries) 
   const auto base =
       std::make_shared<const SessionBase>(own.base->scene, own.base->network, own.base->settings);
   const std::vector<Rgb> fresh =
-      make_parts(base, parts.draft, nullptr, {.cameras = parts.cameras}, &ignored)->answer(queries);
+      make_parts(base, parts.edits, nullptr, {.cameras = parts.cameras}, &ignored)->answer(queries);
   AnswerChange change;
   double sum = 0, squares = 0, squares_off = 0;
   for (size_t i = 0; i < here.size(); ++i) {
@@ -291,8 +292,8 @@ SessionMemory Session::memory() const {
   const std::lock_guard lock(own.mutex);
   out.undo_steps = static_cast<int64_t>(own.before.size());
   out.redo_steps = static_cast<int64_t>(own.after.size());
-  for (const std::deque<DraftPtr>* steps : {&own.before, &own.after}) {
-    for (const DraftPtr& step : *steps) out.undo_bytes += step->bytes();
+  for (const std::deque<SceneEditsPtr>* steps : {&own.before, &own.after}) {
+    for (const SceneEditsPtr& step : *steps) out.undo_bytes += step->bytes();
   }
   return out;
 }

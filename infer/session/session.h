@@ -15,7 +15,7 @@
 //
 // Who cannot wait for an encoding takes less accurate light first (Accuracy) and has it refined.
 //
-// Light that does not reach what the cameras see (the sky outside a closed room) is not told to the
+// Light that does not reach what the cameras see (the sky outside a closed room) is no input of the
 // network, which would let a little of it through walls. Which that is, is found anew for other
 // cameras and after edits of anything but gains and colors; only where it is other light than
 // before is the scene encoded anew.
@@ -56,13 +56,13 @@ struct SessionSettings {
 /// How much of the edits a state's indirect light knows. Surfaces and direct light are those of the
 /// scene as edited, whatever this is.
 enum class Accuracy {
-  Kept,   ///< what the network said before the last edits, at the surfaces of now
-  Draft,  ///< half the scene points, a quicker search for those in the light, and all luminaires in
-          ///< one encoding
-  Full,   ///< all of it: what a fresh session says
+  Kept,    ///< what the network said before the last edits, at the surfaces of now
+  Coarse,  ///< half the scene points, a quicker search for those in the light, one encoding of all
+           ///< luminaires
+  Full,    ///< all of it: what a fresh session says
 };
 constexpr EnumNames<Accuracy, 3> enum_names(Accuracy) {
-  return {{{Accuracy::Kept, "kept"}, {Accuracy::Draft, "draft"}, {Accuracy::Full, "full"}}};
+  return {{{Accuracy::Kept, "kept"}, {Accuracy::Coarse, "draft"}, {Accuracy::Full, "full"}}};
 }
 
 /// What was redone for an edit, and the wall-clock milliseconds of it; 0 where nothing was.
@@ -149,7 +149,7 @@ class SessionState {
   /// Who answers for indirect light in pictures; nothing: paths do.
   std::optional<Method> answered_by() const;
 
-  /// Light groups of scene() that the network is not told of, in order: those that did not reach
+  /// Light groups of scene() that the network does not read, in order: those that did not reach
   /// what the cameras see when light was last found.
   std::vector<int> culled_lights() const;
 
@@ -263,7 +263,7 @@ class Session {
 
   /// From now on answers are asked for where these cameras see surfaces; none: anywhere. Where
   /// points are pruned, light that does not get there is left out. No step of undo().
-  /// @return  nothing if what the network is told of has not changed, and no answer with it, or
+  /// @return  nothing if the input of the network has not changed, and no answer with it, or
   ///          `stop` has ended it
   std::optional<EditReport> look_from(std::vector<scene::Camera> cameras,
                                       Accuracy least = Accuracy::Full, const Stop& stop = {});

@@ -29,7 +29,7 @@ LuminaireKind kind_of(scene::LightKind kind) {
 }
 
 Rgb color_of(const LightSetting& setting) {
-  return setting.color ? *setting.color : setting.hue.value_or(Rgb{1, 1, 1});
+  return setting.color ? *setting.color : setting.tint.value_or(Rgb{1, 1, 1});
 }
 
 /// The number of the one entry of this name.
@@ -68,14 +68,14 @@ std::optional<Method> SessionState::answered_by() const { return parts_->answere
 
 std::vector<int> SessionState::culled_lights() const {
   if (parts_->culled_lights == nullptr) return {};
-  return groups_of(*parts_->draft, parts_->culled_lights->lights);
+  return groups_of(*parts_->edits, parts_->culled_lights->lights);
 }
 
 std::vector<LuminaireInfo> SessionState::luminaires() const {
-  const Draft& draft = *parts_->draft;
-  std::vector<LuminaireInfo> out(draft.settings.size());
+  const SceneEdits& edits = *parts_->edits;
+  std::vector<LuminaireInfo> out(edits.settings.size());
   for (size_t g = 0; g < out.size(); ++g) {
-    const LightSetting& setting = draft.settings[g];
+    const LightSetting& setting = edits.settings[g];
     out[g].id = setting.label.id;
     out[g].name = setting.label.name;
     out[g].gain = setting.gain;
@@ -84,39 +84,39 @@ std::vector<LuminaireInfo> SessionState::luminaires() const {
     out[g].touched = setting.touched;
   }
   std::vector<Bounds> bounds(out.size());
-  for (size_t i = 0; i < draft.instances.size(); ++i) {
-    const scene::Instance& instance = draft.instances[i];
+  for (size_t i = 0; i < edits.instances.size(); ++i) {
+    const scene::Instance& instance = edits.instances[i];
     if (instance.light_group == kNone) continue;
     const auto group = static_cast<size_t>(instance.light_group);
-    out[group].instances.push_back(draft.instance_labels[i].id);
+    out[group].instances.push_back(edits.instance_labels[i].id);
     const Bounds own = bounds_of(*parts_->scene, instance);
     if (own.empty()) continue;
     bounds[group].extend(own.low);
     bounds[group].extend(own.high);
     out[group].position = bounds[group].center();
   }
-  for (const scene::PunctualLight& light : draft.lights) {
+  for (const scene::PunctualLight& light : edits.lights) {
     LuminaireInfo& info = out[static_cast<size_t>(light.light_group)];
     info.kind = kind_of(light.kind);
     if (light.kind != scene::LightKind::Directional) info.position = light.position;
     if (light.kind != scene::LightKind::Point) info.direction = light.direction;
   }
-  if (draft.environment)
-    out[static_cast<size_t>(draft.environment->light_group)].kind = LuminaireKind::Environment;
+  if (edits.environment)
+    out[static_cast<size_t>(edits.environment->light_group)].kind = LuminaireKind::Environment;
   return out;
 }
 
 std::vector<InstanceInfo> SessionState::instances() const {
-  const Draft& draft = *parts_->draft;
-  std::vector<InstanceInfo> out(draft.instances.size());
+  const SceneEdits& edits = *parts_->edits;
+  std::vector<InstanceInfo> out(edits.instances.size());
   for (size_t i = 0; i < out.size(); ++i) {
-    const scene::Instance& instance = draft.instances[i];
-    const MeshUse& use = draft.meshes[static_cast<size_t>(instance.mesh)];
-    out[i].id = draft.instance_labels[i].id;
-    out[i].name = draft.instance_labels[i].name;
-    out[i].material = draft.material_labels[static_cast<size_t>(use.material)].id;
+    const scene::Instance& instance = edits.instances[i];
+    const MeshUse& use = edits.meshes[static_cast<size_t>(instance.mesh)];
+    out[i].id = edits.instance_labels[i].id;
+    out[i].name = edits.instance_labels[i].name;
+    out[i].material = edits.material_labels[static_cast<size_t>(use.material)].id;
     if (instance.light_group != kNone)
-      out[i].light = draft.settings[static_cast<size_t>(instance.light_group)].label.id;
+      out[i].light = edits.settings[static_cast<size_t>(instance.light_group)].label.id;
     out[i].to_world = instance.to_world;
     out[i].bounds = bounds_of(*parts_->scene, instance);
   }
@@ -124,11 +124,11 @@ std::vector<InstanceInfo> SessionState::instances() const {
 }
 
 std::vector<MaterialInfo> SessionState::materials() const {
-  const Draft& draft = *parts_->draft;
+  const SceneEdits& edits = *parts_->edits;
   std::vector<MaterialInfo> out;
-  for (size_t m = 0; m < draft.base_materials; ++m) {
-    const scene::Material& material = draft.materials[m];
-    out.push_back({draft.material_labels[m].id, draft.material_labels[m].name, material.base_color,
+  for (size_t m = 0; m < edits.base_materials; ++m) {
+    const scene::Material& material = edits.materials[m];
+    out.push_back({edits.material_labels[m].id, edits.material_labels[m].name, material.base_color,
                    material.base_color_texture.texture != kNone, material.emissive()});
   }
   return out;
@@ -136,17 +136,17 @@ std::vector<MaterialInfo> SessionState::materials() const {
 
 int SessionState::find_luminaire(const std::string& name) const {
   std::vector<Label> labels;
-  for (const LightSetting& setting : parts_->draft->settings) labels.push_back(setting.label);
+  for (const LightSetting& setting : parts_->edits->settings) labels.push_back(setting.label);
   return find_name("light", name, labels);
 }
 
 int SessionState::find_instance(const std::string& name) const {
-  return find_name("instance", name, parts_->draft->instance_labels);
+  return find_name("instance", name, parts_->edits->instance_labels);
 }
 
 int SessionState::find_material(const std::string& name) const {
-  std::vector<Label> labels = parts_->draft->material_labels;
-  labels.resize(parts_->draft->base_materials);
+  std::vector<Label> labels = parts_->edits->material_labels;
+  labels.resize(parts_->edits->base_materials);
   return find_name("material", name, labels);
 }
 
@@ -173,26 +173,26 @@ std::vector<Rgb> SessionState::irradiance(const runtime::QueryPoints& queries) c
 }
 
 std::shared_ptr<const runtime::SceneEmbedding> SessionState::record_attention() const {
-  const Draft& draft = *parts_->draft;
+  const SceneEdits& edits = *parts_->edits;
   EmbedSettings settings = parts_->base->settings.embedding;
   settings.record_attention = true;
   if (!parts_->layers.empty()) {
     const LightLayer& first = *parts_->layers.front().layer;
     LightGroups wanted{.groups = {}, .as_dimmed = !first.gains.empty()};
     for (const int light : first.lights)
-      wanted.groups.push_back(static_cast<int>(group_of(draft, light)));
-    return encode_layer(draft, first.points, wanted, *parts_->base->network, settings)->embedding;
+      wanted.groups.push_back(static_cast<int>(group_of(edits, light)));
+    return encode_layer(edits, first.points, wanted, *parts_->base->network, settings)->embedding;
   }
-  const std::vector<LightGroups> all = layers_together(draft);
+  const std::vector<LightGroups> all = layers_together(edits);
   const auto& network_of = parts_->base->settings.attention_of;
   LTE_CHECK(parts_->answered_by == Method::Gather && network_of && !all.empty(),
             "there is no attention to look at: the network answers for no light of this scene");
   const runtime::Network network = network_of();
   EditReport ignored;
-  const Traced scene = trace(*parts_->base, draft, /*lit=*/false, &ignored);
+  const Traced scene = trace(*parts_->base, edits, /*lit=*/false, &ignored);
   const auto points = std::make_shared<const GroupedPoints>(
       draw_points(*scene.bvh, *scene.lights, network, settings, {}, Accuracy::Full, {}, &ignored));
-  return encode_layer(draft, points, all.front(), network, settings)->embedding;
+  return encode_layer(edits, points, all.front(), network, settings)->embedding;
 }
 
 std::optional<Pick> SessionState::pick(const scene::Camera& camera, float x, float y,
@@ -202,14 +202,14 @@ std::optional<Pick> SessionState::pick(const scene::Camera& camera, float x, flo
   if (!hit.valid()) return std::nullopt;
   const scene::Surface surface = scene::evaluate_surface(*parts_->scene, hit.instance, hit.triangle,
                                                          hit.u, hit.v, /*footprint=*/0);
-  const Draft& draft = *parts_->draft;
-  const scene::Instance& instance = draft.instances[static_cast<size_t>(hit.instance)];
+  const SceneEdits& edits = *parts_->edits;
+  const scene::Instance& instance = edits.instances[static_cast<size_t>(hit.instance)];
   Pick out;
-  out.instance = draft.instance_labels[static_cast<size_t>(hit.instance)].id;
-  const MeshUse& use = draft.meshes[static_cast<size_t>(instance.mesh)];
-  out.material = draft.material_labels[static_cast<size_t>(use.material)].id;
+  out.instance = edits.instance_labels[static_cast<size_t>(hit.instance)].id;
+  const MeshUse& use = edits.meshes[static_cast<size_t>(instance.mesh)];
+  out.material = edits.material_labels[static_cast<size_t>(use.material)].id;
   if (instance.light_group != kNone)
-    out.light = draft.settings[static_cast<size_t>(instance.light_group)].label.id;
+    out.light = edits.settings[static_cast<size_t>(instance.light_group)].label.id;
   out.position = surface.position;
   const bool faces = dot(hit.normal, camera.origin - surface.position) >= 0;
   out.normal = faces ? hit.normal : -hit.normal;

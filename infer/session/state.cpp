@@ -11,23 +11,23 @@
 namespace lte::infer {
 namespace {
 
-std::vector<int> tree_of_mesh(const Draft& draft) {
+std::vector<int> tree_of_mesh(const SceneEdits& edits) {
   std::vector<int> out;
-  for (const MeshUse& use : draft.meshes) out.push_back(use.base);
+  for (const MeshUse& use : edits.meshes) out.push_back(use.base);
   return out;
 }
 
-bool is_scaled(const Draft& draft) {
-  return std::any_of(draft.settings.begin(), draft.settings.end(),
+bool is_scaled(const SceneEdits& edits) {
+  return std::any_of(edits.settings.begin(), edits.settings.end(),
                      [](const LightSetting& s) { return s.gain != 1 || s.color.has_value(); });
 }
 
 std::shared_ptr<const LightLayer> find_layer(const SessionState::Parts* before,
                                              const std::shared_ptr<const GroupedPoints>& points,
-                                             const Draft& draft, const LightGroups& wanted) {
+                                             const SceneEdits& edits, const LightGroups& wanted) {
   if (before == nullptr) return nullptr;
   for (const ScaledLayer& each : before->layers) {
-    if (each.layer->points == points && each.layer->is(draft, wanted)) return each.layer;
+    if (each.layer->points == points && each.layer->is(edits, wanted)) return each.layer;
   }
   return nullptr;
 }
@@ -43,7 +43,7 @@ std::vector<Rgb> sum_of(const std::vector<ScaledLayer>& layers,
   return sum;
 }
 
-/// Of states of one draft.
+/// Of states of one edited scene.
 bool same_answers(const SessionState::Parts& a, const SessionState::Parts& b) {
   const auto same = [](const ScaledLayer& s, const ScaledLayer& t) {
     return s.layer == t.layer && s.scale == t.scale;
@@ -60,14 +60,14 @@ class Lighting {
       : before_(before),
         wanted_(wanted),
         parts_(*parts),
-        draft_(*parts->draft),
+        edits_(*parts->edits),
         network_(*parts->base->network),
         report_(*report) {}
 
   void run() {
     if (before_ != nullptr) {
       parts_.full_points = before_->full_points;
-      parts_.draft_points = before_->draft_points;
+      parts_.coarse_points = before_->coarse_points;
       if (looks()) parts_.culled_lights = before_->culled_lights;
     }
     parts_.asks_network = knows_light();
@@ -75,7 +75,7 @@ class Lighting {
   }
 
  private:
-  /// Whether the network was trained with all kinds of light that it is told of.
+  /// Whether the network was trained with all kinds of light that it reads.
   bool knows_light() {
     const runtime::ModelMetadata& model = network_.metadata();
     if (!embed::has_untrained_light(*parts_.scene, model)) return true;
@@ -85,25 +85,25 @@ class Lighting {
   }
 
   void find_light() {
-    if (layers_apart(draft_).empty()) return;
+    if (layers_apart(edits_).empty()) return;
     const bool keeps = before_ != nullptr && !before_->layers.empty();
     if (looks() && !knows_culled_lights()) {
       if (wanted_.least == Accuracy::Kept && keeps) return keep_layers();
       find_culled_lights();
     }
     const std::vector<LightGroups> apart =
-        without_groups(layers_apart(draft_), draft_, culled_lights());
+        without_groups(layers_apart(edits_), edits_, culled_lights());
     if (apart.empty()) return;  // nothing that reaches what is seen
     const bool known = fit(parts_.full_points);
     const bool free = known && std::all_of(apart.begin(), apart.end(), [&](const auto& layer) {
-                        return find_layer(before_, parts_.full_points, draft_, layer) != nullptr;
+                        return find_layer(before_, parts_.full_points, edits_, layer) != nullptr;
                       });
     if (wanted_.least == Accuracy::Kept && keeps && !free) {
       keep_layers();
     } else if (wanted_.least == Accuracy::Full || known) {
       make(Accuracy::Full, apart, &parts_.full_points);
     } else {
-      make_draft();
+      light_coarsely();
     }
   }
 
@@ -113,7 +113,7 @@ class Lighting {
   }
 
   bool knows_culled_lights() const {
-    return parts_.culled_lights != nullptr && parts_.culled_lights->fits(draft_, parts_.cameras);
+    return parts_.culled_lights != nullptr && parts_.culled_lights->fits(edits_, parts_.cameras);
   }
 
   void find_culled_lights() {
@@ -121,16 +121,16 @@ class Lighting {
     if (wanted_.check) wanted_.check();
     const Traced& scene = at_gain_1();
     const Timer timer;
-    CulledLights found{parts_.draft, parts_.cameras, {}};
+    CulledLights found{parts_.edits, parts_.cameras, {}};
     for (const int group : embed::culled_lights(*scene.bvh, network_,
                                                 parts_.base->settings.embedding, parts_.cameras))
-      found.lights.push_back(draft_.settings[static_cast<size_t>(group)].label.id);
+      found.lights.push_back(edits_.settings[static_cast<size_t>(group)].label.id);
     parts_.culled_lights = std::make_shared<const CulledLights>(std::move(found));
     report_.points_ms += 1e3 * timer.seconds();
   }
 
   std::vector<int> culled_lights() const {
-    return parts_.culled_lights ? groups_of(draft_, parts_.culled_lights->lights)
+    return parts_.culled_lights ? groups_of(edits_, parts_.culled_lights->lights)
                                 : std::vector<int>();
   }
 
@@ -141,21 +141,21 @@ class Lighting {
   /// Whether points describe what the network should read: drawn for this scene or one that
   /// differs by gains and colors alone, and without the same luminaires.
   bool fit(const std::shared_ptr<const GroupedPoints>& points) const {
-    return points != nullptr && same_points(*points->drawn_for, draft_) &&
+    return points != nullptr && same_points(*points->drawn_for, edits_) &&
            points->culled == culled_numbers();
   }
 
   const Traced& at_gain_1() {
     if (!at_gain_1_) {
-      at_gain_1_ = is_scaled(draft_) ? trace(*parts_.base, draft_, /*lit=*/false, &report_)
+      at_gain_1_ = is_scaled(edits_) ? trace(*parts_.base, edits_, /*lit=*/false, &report_)
                                      : Traced{parts_.scene, parts_.bvh, parts_.lights};
     }
     return *at_gain_1_;
   }
 
-  void make_draft() {
-    make(Accuracy::Draft, without_groups(layers_together(draft_), draft_, culled_lights()),
-         &parts_.draft_points);
+  void light_coarsely() {
+    make(Accuracy::Coarse, without_groups(layers_together(edits_), edits_, culled_lights()),
+         &parts_.coarse_points);
   }
 
   void make(Accuracy accuracy, const std::vector<LightGroups>& layers,
@@ -163,15 +163,15 @@ class Lighting {
     parts_.accuracy = accuracy;
     if (!fit(*points)) *points = draw(accuracy, *points);
     for (const LightGroups& groups : layers) {
-      std::shared_ptr<const LightLayer> layer = find_layer(before_, *points, draft_, groups);
+      std::shared_ptr<const LightLayer> layer = find_layer(before_, *points, edits_, groups);
       if (layer == nullptr) {
         if (wanted_.check) wanted_.check();
         const Timer timer;
-        layer = encode_layer(draft_, *points, groups, network_, parts_.base->settings.embedding);
+        layer = encode_layer(edits_, *points, groups, network_, parts_.base->settings.embedding);
         report_.encode_ms += 1e3 * timer.seconds();
         ++report_.encodings;
       }
-      const LightSetting& setting = draft_.settings[static_cast<size_t>(groups.groups.front())];
+      const LightSetting& setting = edits_.settings[static_cast<size_t>(groups.groups.front())];
       parts_.layers.push_back(
           {std::move(layer), groups.as_dimmed ? Rgb{1, 1, 1} : setting.scale()});
     }
@@ -185,13 +185,13 @@ class Lighting {
     PointsBefore recalled;
     // What was dark may not be so to other luminaires.
     if (last != nullptr && last->culled == culled_numbers()) {
-      if (auto changed = changed_places(parts_.base->scene, *last->drawn_for, draft_))
+      if (auto changed = changed_places(parts_.base->scene, *last->drawn_for, edits_))
         recalled = {last.get(), std::move(*changed)};
     }
     auto points =
         std::make_shared<GroupedPoints>(draw_points(*scene.bvh, *scene.lights, network_, settings,
                                                     recalled, accuracy, wanted_.check, &report_));
-    points->drawn_for = parts_.draft;
+    points->drawn_for = parts_.edits;
     points->culled = culled_numbers();
     return points;
   }
@@ -201,13 +201,13 @@ class Lighting {
   void keep_layers() {
     parts_.accuracy = Accuracy::Kept;
     const auto setting_of = [&](int light) {
-      return std::find_if(draft_.settings.begin(), draft_.settings.end(),
+      return std::find_if(edits_.settings.begin(), edits_.settings.end(),
                           [&](const LightSetting& s) { return s.label.id == light; });
     };
     for (ScaledLayer kept : before_->layers) {
       const std::vector<int>& lights = kept.layer->lights;
       const bool gone = std::all_of(lights.begin(), lights.end(), [&](const int light) {
-        return setting_of(light) == draft_.settings.end();
+        return setting_of(light) == edits_.settings.end();
       });
       if (gone) continue;
       if (lights.size() == 1 && kept.layer->gains.empty())
@@ -216,13 +216,13 @@ class Lighting {
     }
     if (!parts_.layers.empty()) return;
     if (looks()) find_culled_lights();
-    make_draft();
+    light_coarsely();
   }
 
   const SessionState::Parts* before_;
   const Wanted& wanted_;
   SessionState::Parts& parts_;
-  const Draft& draft_;
+  const SceneEdits& edits_;
   const runtime::Network& network_;
   EditReport& report_;
   std::optional<Traced> at_gain_1_;
@@ -242,23 +242,23 @@ void find_records(const SessionState::Parts* before, const Wanted& wanted,
   const Method by = *parts->answered_by;
   const bool by_network = by == Method::Network;
   const bool has = before != nullptr && before->records && before->records->filled_by == by;
-  if (has && before->records->fit(*parts->draft, by)) {
+  if (has && before->records->fit(*parts->edits, by)) {
     parts->records = before->records;
   } else if (has && (by_network ? parts->accuracy : wanted.least) == Accuracy::Kept) {
     parts->records = before->records;
     parts->accuracy = Accuracy::Kept;
   } else {
     if (wanted.check) wanted.check();
-    const Traced at_gain_1 = is_scaled(*parts->draft)
-                                 ? trace(base, *parts->draft, /*lit=*/false, report)
+    const Traced at_gain_1 = is_scaled(*parts->edits)
+                                 ? trace(base, *parts->edits, /*lit=*/false, report)
                                  : Traced{parts->scene, parts->bvh, parts->lights};
     const Timer timer;
     parts->records = std::make_shared<const LightRecords>(trace_light_records(
-        *at_gain_1.bvh, *at_gain_1.lights, parts->draft, by, cache_settings(base), wanted.check));
+        *at_gain_1.bvh, *at_gain_1.lights, parts->edits, by, cache_settings(base), wanted.check));
     report->light_ms += 1e3 * timer.seconds();
   }
   const bool same = before != nullptr && before->cache && before->records == parts->records &&
-                    same_answers(*before, *parts) && same_scene(*before->draft, *parts->draft);
+                    same_answers(*before, *parts) && same_scene(*before->edits, *parts->edits);
   parts->cache = same ? before->cache : parts->make_cache();
 }
 
@@ -274,13 +274,13 @@ int64_t scene_bytes(const scene::Scene& scene) {
   return static_cast<int64_t>(bytes);
 }
 
-Traced trace(const SessionBase& base, const Draft& draft, bool lit, EditReport* report) {
+Traced trace(const SessionBase& base, const SceneEdits& edits, bool lit, EditReport* report) {
   Traced out;
   Timer timer;
-  out.scene = std::make_shared<const scene::Scene>(make_scene(base.scene, draft, lit));
+  out.scene = std::make_shared<const scene::Scene>(make_scene(base.scene, edits, lit));
   report->scene_ms += 1e3 * timer.seconds();
   timer.restart();
-  out.bvh = std::make_shared<const pathtrace::Bvh>(*out.scene, *base.trees, tree_of_mesh(draft));
+  out.bvh = std::make_shared<const pathtrace::Bvh>(*out.scene, *base.trees, tree_of_mesh(edits));
   report->bvh_ms += 1e3 * timer.seconds();
   timer.restart();
   out.lights = std::make_shared<const pathtrace::Lights>(*out.scene);
@@ -298,20 +298,20 @@ SessionBase::SessionBase(scene::Scene first, std::optional<runtime::Network> wit
 }
 
 std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBase> base,
-                                                std::shared_ptr<const Draft> draft,
+                                                std::shared_ptr<const SceneEdits> edits,
                                                 const SessionState::Parts* before,
                                                 const Wanted& wanted, EditReport* report) {
   auto parts = std::make_unique<SessionState::Parts>();
   parts->base = std::move(base);
-  parts->draft = std::move(draft);
-  const Draft& now = *parts->draft;
-  const bool refines = before != nullptr && before->draft == parts->draft;
+  parts->edits = std::move(edits);
+  const SceneEdits& now = *parts->edits;
+  const bool refines = before != nullptr && before->edits == parts->edits;
   const Traced shown = refines ? Traced{before->scene, before->bvh, before->lights}
                                : trace(*parts->base, now, /*lit=*/true, report);
   parts->scene = shown.scene;
   parts->bvh = shown.bvh;
   parts->lights = shown.lights;
-  const bool geometry = before == nullptr || !same_geometry(*before->draft, now);
+  const bool geometry = before == nullptr || !same_geometry(*before->edits, now);
   report->bvh_rebuilt = geometry;
   parts->geometry_version = (before != nullptr ? before->geometry_version : 0) + (geometry ? 1 : 0);
   parts->cameras = wanted.cameras      ? without_repeats(*wanted.cameras)
@@ -336,13 +336,13 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
 
 std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
   if (answered_by == Method::Gather) {
-    return std::make_shared<LazyCache>([from = records, now = draft, rays = bvh] {
+    return std::make_shared<LazyCache>([from = records, now = edits, rays = bvh] {
       const gi::RecordLight light = from->light(*now);
       return gi::IrradianceCache(*rays, from->traced.places, light.total(), light.direct);
     });
   }
   // The BVH and the lights borrow the scene, and the cache may outlive this state.
-  return std::make_shared<LazyCache>([from = records, now = draft, by = layers, held = scene,
+  return std::make_shared<LazyCache>([from = records, now = edits, by = layers, held = scene,
                                       rays = bvh, lit = lights, settings = cache_settings(*base)] {
     const gi::CacheRecords& places = from->traced.places;
     gi::RecordLight light = from->light(*now);

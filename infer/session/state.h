@@ -1,4 +1,4 @@
-// What a state of a session holds, and how one is made from a draft.
+// What a state of a session holds, and how one is made from an edited scene.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 #include "infer/renderer/renderer.h"
 #include "infer/session/culled_lights.h"
-#include "infer/session/draft.h"
 #include "infer/session/light_layer.h"
 #include "infer/session/light_records.h"
+#include "infer/session/scene_edits.h"
 #include "infer/session/session.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
@@ -22,7 +22,7 @@ namespace lte::infer {
 struct SessionBase {
   SessionBase(scene::Scene first, std::optional<runtime::Network> with, SessionSettings how);
 
-  scene::Scene scene;  ///< with its meshes, textures and cameras; the rest is the first draft's
+  scene::Scene scene;  ///< with its meshes, textures and cameras; the rest is as it began
   std::shared_ptr<const pathtrace::Bvh> trees;  ///< of the meshes
   std::optional<runtime::Network> network;
   SessionSettings settings;
@@ -37,13 +37,13 @@ struct ScaledLayer {
 
 struct SessionState::Parts {
   std::shared_ptr<const SessionBase> base;
-  std::shared_ptr<const Draft> draft;
+  std::shared_ptr<const SceneEdits> edits;
   std::shared_ptr<const scene::Scene> scene;  ///< with gains and colors
   std::shared_ptr<const pathtrace::Bvh> bvh;
   std::shared_ptr<const pathtrace::Lights> lights;
   /// The last that were drawn of each accuracy, perhaps for a scene before this one; null at first
   /// and without a network.
-  std::shared_ptr<const GroupedPoints> full_points, draft_points;
+  std::shared_ptr<const GroupedPoints> full_points, coarse_points;
   std::vector<scene::Camera> cameras;  ///< of Session::look_from()
   /// What was last found, perhaps for a scene or cameras before these; null where nothing is
   /// looked for.
@@ -79,7 +79,7 @@ struct Traced {
 
 /// @param lit     as in make_scene()
 /// @param report  gets scene_ms and bvh_ms
-Traced trace(const SessionBase& base, const Draft& draft, bool lit, EditReport* report);
+Traced trace(const SessionBase& base, const SceneEdits& edits, bool lit, EditReport* report);
 
 /// What make_parts() is asked for.
 struct Wanted {
@@ -89,12 +89,12 @@ struct Wanted {
   std::optional<std::vector<scene::Camera>> cameras = {};
 };
 
-/// Makes what a draft needs that `before` has not got. Its version is that of `before` where other
-/// cameras of the same draft have changed no answer.
+/// Makes what an edited scene needs that `before` has not got. Its version is that of `before`
+/// where other cameras of the same scene have changed no answer.
 /// @param before  null for all of it
 /// @param report  gets times and counts
 std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBase> base,
-                                                std::shared_ptr<const Draft> draft,
+                                                std::shared_ptr<const SceneEdits> edits,
                                                 const SessionState::Parts* before,
                                                 const Wanted& wanted, EditReport* report);
 

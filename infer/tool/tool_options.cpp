@@ -9,23 +9,22 @@
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
 #include "lte/runtime/device.h"
-#include "lte/runtime/refusal.h"
+#include "lte/runtime/limit_error.h"
 
 namespace lte::infer {
 namespace {
 
-using runtime::Remedy;
+using runtime::Hint;
 
-constexpr std::pair<Remedy, const char*> kFlags[] = {
-    {Remedy::Rescale, "--rescale"},        {Remedy::FewerScenePoints, "--scene-points"},
-    {Remedy::FewerQueries, "--size"},      {Remedy::FewerQueries, "--queries"},
-    {Remedy::MemoryLimit, "--max-memory"},
+constexpr std::pair<Hint, const char*> kFlags[] = {
+    {Hint::Rescale, "--rescale"},        {Hint::FewerScenePoints, "--scene-points"},
+    {Hint::FewerQueries, "--size"},      {Hint::FewerQueries, "--queries"},
+    {Hint::MemoryLimit, "--max-memory"},
 };
 
-constexpr std::pair<Remedy, const char*> kKeys[] = {
-    {Remedy::Rescale, "--set rescale=on"},
-    {Remedy::FewerScenePoints, "--set scene_points"},
-    {Remedy::MemoryLimit, "--set max_memory"}};
+constexpr std::pair<Hint, const char*> kKeys[] = {{Hint::Rescale, "--set rescale=on"},
+                                                  {Hint::FewerScenePoints, "--set scene_points"},
+                                                  {Hint::MemoryLimit, "--set max_memory"}};
 
 /// Whether `app` or a command of it that was given has this flag.
 bool has_flag(const CLI::App& app, const char* flag) {
@@ -35,15 +34,15 @@ bool has_flag(const CLI::App& app, const char* flag) {
                      [&](const CLI::App* command) { return has_flag(*command, flag); });
 }
 
-/// " (--scene-points, --max-memory)", or nothing where `app` has no flag for any of the remedies.
-std::string flags_for(const CLI::App& app, const std::vector<Remedy>& remedies) {
+/// " (--scene-points, --max-memory)", or nothing where `app` has no flag for any of the hints.
+std::string flags_for(const CLI::App& app, const std::vector<Hint>& hints) {
   std::string list;
-  const auto add = [&](Remedy remedy, const char* flag, bool there) {
-    const bool helps = std::find(remedies.begin(), remedies.end(), remedy) != remedies.end();
+  const auto add = [&](Hint hint, const char* flag, bool there) {
+    const bool helps = std::find(hints.begin(), hints.end(), hint) != hints.end();
     if (helps && there) list += (list.empty() ? "" : ", ") + std::string(flag);
   };
-  for (const auto& [remedy, flag] : kFlags) add(remedy, flag, has_flag(app, flag));
-  for (const auto& [remedy, key] : kKeys) add(remedy, key, has_flag(app, "--set"));
+  for (const auto& [hint, flag] : kFlags) add(hint, flag, has_flag(app, flag));
+  for (const auto& [hint, key] : kKeys) add(hint, key, has_flag(app, "--set"));
   return list.empty() ? "" : " (" + list + ")";
 }
 
@@ -109,8 +108,8 @@ int run_network_tool(CLI::App& app, int argc, char** argv, const std::function<v
   return run_tool(app, argc, argv, [&] {
     try {
       body();
-    } catch (const runtime::Refusal& refusal) {
-      throw Error(refusal.what() + flags_for(app, refusal.remedies()));
+    } catch (const runtime::LimitError& refusal) {
+      throw Error(refusal.what() + flags_for(app, refusal.hints()));
     }
   });
 }

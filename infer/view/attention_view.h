@@ -1,4 +1,4 @@
-// What pages are told of a network's attention: for a point that was clicked, numbers at the
+// A network's attention, for pages: for a point that was clicked, numbers at the
 // latents that the camera sees.
 #pragma once
 

@@ -7,13 +7,13 @@ namespace lte::infer::view {
 Message Conversation::checked(std::string_view text) {
   Message message = parse_message(text);
   const auto* hello = std::get_if<Hello>(&message.request);
-  if (!greeted_) {
+  if (!welcomed_) {
     over_ = true;  // unless all is well
     LTE_CHECK(hello != nullptr, "expected hello as the first message");
     LTE_CHECK(hello->protocol == kProtocol, "the page speaks version ", hello->protocol,
               ", the server version ", kProtocol, ": reload the page");
     over_ = false;
-    greeted_ = true;
+    welcomed_ = true;
   } else {
     LTE_CHECK(hello == nullptr, "hello a second time");
   }
@@ -27,7 +27,7 @@ Message Conversation::next(std::string_view text) {
   try {
     return checked(text);
   } catch (const Error&) {
-    if (!greeted_ || ++faults_ >= kMaxFaults) over_ = true;
+    if (!welcomed_ || ++faults_ >= kMaxFaults) over_ = true;
     throw;
   }
 }

@@ -19,7 +19,7 @@ class Conversation {
   /// @throws lte::Error in one line if it is refused. The page may go on, unless over().
   Message next(std::string_view text);
 
-  bool greeted() const { return greeted_; }
+  bool welcomed() const { return welcomed_; }
   /// Whether the page must be disconnected: it has not said hello first, speaks another version or
   /// makes fault after fault.
   bool over() const { return over_; }
@@ -27,7 +27,7 @@ class Conversation {
  private:
   Message checked(std::string_view text);
 
-  bool greeted_ = false, over_ = false;
+  bool welcomed_ = false, over_ = false;
   int64_t last_ = 0;
   int faults_ = 0;
 };

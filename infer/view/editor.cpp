@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "infer/session/draft.h"
+#include "infer/session/scene_edits.h"
 #include "infer/view/replies.h"
 #include "infer/view/scratch_folder.h"
 #include "infer/view/session_scene.h"
@@ -114,7 +114,7 @@ void Editor::publish(const std::map<int, int64_t>* handled) {
 
 Editor::Next Editor::next_after(const SessionState& state) const {
   if (state.accuracy() == Accuracy::Kept) return Next::DraftLight;
-  if (state.accuracy() == Accuracy::Draft) return Next::FullLight;
+  if (state.accuracy() == Accuracy::Coarse) return Next::FullLight;
   if (!state.answered_by()) return Next::Nothing;  // paths: no lamp is dimmed sooner for it
   const std::vector<LuminaireInfo> lights = state.luminaires();
   const auto shines = [](const LuminaireInfo& light) { return light.brightness > 0; };
@@ -241,7 +241,7 @@ void Editor::improve() {
     if (camera) {
       report = look(*camera, stop);
     } else if (next_ == Next::DraftLight) {
-      report = session_->refine(Accuracy::Draft, stop);
+      report = session_->refine(Accuracy::Coarse, stop);
     } else if (next_ == Next::FullLight) {
       report = session_->refine(Accuracy::Full, stop);
     } else if (next_ == Next::Separation) {
@@ -258,9 +258,9 @@ void Editor::improve() {
   publish(nullptr);
 }
 
-/// Draft light, as after an edit: what comes in sight is soon lit.
+/// SceneEdits light, as after an edit: what comes in sight is soon lit.
 std::optional<EditReport> Editor::look(const scene::Camera& camera, const Session::Stop& stop) {
-  auto report = session_->look_from({camera}, Accuracy::Draft, stop);
+  auto report = session_->look_from({camera}, Accuracy::Coarse, stop);
   if (report || !stop()) return report;
   const std::lock_guard lock(mutex_);  // perhaps it was ended: once more, unless another has come
   if (!camera_) camera_ = camera;

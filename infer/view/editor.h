@@ -30,7 +30,7 @@ namespace lte::infer::view {
 class Editor {
  public:
   /// Luminaires that are encoded apart before anybody dims them, at most: each layer costs an
-  /// encoding after every move, and answers in every picture, so that with four a camera's draft
+  /// encoding after every move, and answers in every picture, so that with four a camera's edits
   /// took three times as long.
   static constexpr int kMaxApart = 2;
 
@@ -65,7 +65,7 @@ class Editor {
   };
   Made made() const;
 
-  /// What a page must be told of the scene as it is now.
+  /// The scene as it is now, for a page.
   std::string scene_text() const;
 
   /// Edits, undos and resets made.

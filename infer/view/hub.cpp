@@ -52,8 +52,8 @@ int Hub::join(const std::shared_ptr<WebSocketSession>& session) {
   return last_client_;
 }
 
-void Hub::greeted(int client) {
-  ++greeted_;
+void Hub::welcomed(int client) {
+  ++welcomed_;
   events_.arrived(client);
   boost::asio::post(*io_, [this, client] {  // behind what it has just been told
     const auto session = find(client);
@@ -63,7 +63,7 @@ void Hub::greeted(int client) {
 
 void Hub::leave(int client, bool was_greeted) {
   if (sessions_.erase(client) == 0) return;
-  if (was_greeted) --greeted_;
+  if (was_greeted) --welcomed_;
   events_.left(client);
 }
 

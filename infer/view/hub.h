@@ -19,7 +19,7 @@ class WebSocketSession;
 
 /// What the server does with what pages say. Called by the thread of the sockets.
 struct PageEvents {
-  /// A page has said hello: it is to be told where things stand.
+  /// A page has said hello: it is sent the present state.
   std::function<void(int client)> arrived;
   std::function<void(int client, const Message& message)> said;
   std::function<void(int client)> left;
@@ -32,7 +32,7 @@ class Hub : public Pages {
 
   Hub(boost::asio::io_context* io, PageEvents events);
 
-  int count() const override { return greeted_; }
+  int count() const override { return welcomed_; }
   void tell(int client, const std::string& text) override;
   void tell_all(const std::string& text) override;
   void show(int64_t picture, const std::shared_ptr<const std::string>& frame) override;
@@ -42,7 +42,7 @@ class Hub : public Pages {
 
   /// @return  the page's number, from 1; 0 if there are too many
   int join(const std::shared_ptr<WebSocketSession>& session);
-  void greeted(int client);
+  void welcomed(int client);
   void said(int client, const Message& message) { events_.said(client, message); }
   void leave(int client, bool was_greeted);
   /// Says the last words, if there are any, and closes.
@@ -59,7 +59,7 @@ class Hub : public Pages {
   int last_client_ = 0;
   int64_t picture_ = 0;
   SharedText frame_;  ///< the latest picture, for pages that come later
-  std::atomic<int> greeted_ = 0;
+  std::atomic<int> welcomed_ = 0;
 };
 
 }  // namespace lte::infer::view

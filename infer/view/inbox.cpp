@@ -22,7 +22,7 @@ void merge(const ChangeView& later, ChangeView* view) {
 
 }  // namespace
 
-/// Puts a request in the place of one that it makes void. What a page asks to be told is not.
+/// Puts a request in the place of one that it makes void. A question of a page is not.
 bool Inbox::replace(const Pending& pending) {
   for (auto at = pending_.rbegin(); at != pending_.rend(); ++at) {
     if (is_barrier(at->request)) return false;

@@ -30,7 +30,7 @@ class Inbox {
   /// @return  false, and nothing is kept, if too much waits already
   bool post(int client, int64_t number, const Request& request);
 
-  /// Forgets what a page that has gone had asked to be told.
+  /// Forgets what a page that has gone had asked for.
   void forget(int client);
 
   /// Wakes take() without a request: something else has changed.

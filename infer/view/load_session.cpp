@@ -22,14 +22,14 @@ runtime::Network load_network(const ViewRequest& request) {
 }
 
 /// Says what the network makes of the scene.
-/// @throws runtime::Refusal where it cannot be used
+/// @throws runtime::LimitError where it cannot be used
 void check_network(const ViewRequest& request, const scene::Scene& scene,
                    const runtime::Network& network, const SessionSettings& settings) {
   check_size(request.scene, scene, network, request.rescale);
   settings.embedding.memory.check_encoding(network.config(), settings.embedding.scene_points);
 }
 
-/// Warns of light that the network is told of and does not know, or that is traced for that.
+/// Warns of light that the network reads and does not know, or that is traced for that.
 void warn_of_light(const ViewRequest& request, const SessionState& state,
                    const runtime::ModelMetadata& model) {
   const std::vector<int> culled = state.culled_lights();

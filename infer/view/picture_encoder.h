@@ -7,10 +7,10 @@
 
 namespace lte::infer::view {
 
-/// A draft, which the next picture replaces at once, or one that may stay on the screen.
-enum class JpegQuality { Draft, Still };
+/// A moving, which the next picture replaces at once, or one that may stay on the screen.
+enum class JpegQuality { Moving, Still };
 
-/// The bytes of a JPEG file. A draft has quality 80 and halved chroma, a still 92 and full chroma.
+/// The bytes of a JPEG file. A moving has quality 80 and halved chroma, a still 92 and full chroma.
 /// @throws lte::Error where the library fails.
 std::string encode_jpeg(const DisplayPicture& picture, JpegQuality quality);
 

@@ -15,8 +15,8 @@ constexpr int kMaxPathsAtOnce = 8;
 constexpr int kEdgeRays = 16;  // of the first whole picture
 /// Rays and light samples a pixel of the passes at rest, which nobody waits for.
 constexpr int kRestingRays = 8, kRestingLightSamples = 64;
-constexpr int kDraftSteps = 8;     // a draft has at least an eighth of the sides
-constexpr int kMeasuredShare = 4;  // of the sides, when a path a pixel is measured
+constexpr int kFirstPassSteps = 8;  // a first pass has at least an eighth of the sides
+constexpr int kMeasuredShare = 4;   // of the sides, when a path a pixel is measured
 /// What is checked is a picture of its own, of so many passes.
 constexpr int kCheckedPasses = 4;
 constexpr uint64_t kCheckedPlaces = 51;  // independent of all that pictures draw
@@ -79,11 +79,11 @@ void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown sho
   const bool same = size == size_ && output_of(shown) == output_of(shown_);
   if (!same || (light_ && !light_->fits(*state))) {
     light_.reset();
-    draft_.reset();
+    first_pass_.reset();
   }
   if (light_) {
     light_->clear();
-    draft_->clear();
+    first_pass_->clear();
   }
   state_ = std::move(state);
   camera_ = camera;
@@ -115,9 +115,9 @@ bool Progressive::checks() const {
   return indirect && state_ != nullptr && state_->answered_by() && state_->has_light();
 }
 
-PictureSize Progressive::draft_size() const {
-  const double share = std::sqrt(kDraftSeconds / (draft_pixel_seconds_ * pixels()));
-  const int step = std::clamp(static_cast<int>(std::ceil(1 / share)), 1, kDraftSteps);
+PictureSize Progressive::first_pass_size() const {
+  const double share = std::sqrt(kFirstPassSeconds / (first_pass_pixel_seconds_ * pixels()));
+  const int step = std::clamp(static_cast<int>(std::ceil(1 / share)), 1, kFirstPassSteps);
   return {std::max(1, size_.width / step), std::max(1, size_.height / step)};
 }
 
@@ -147,7 +147,7 @@ Frame Progressive::render(const scene::Camera& camera, RenderSettings settings,
 void Progressive::prepare_sums() {
   if (light_) return;
   light_.emplace(state_, output_of(shown_), static_cast<int64_t>(pixels()));
-  draft_ = light_;  // of the same layers
+  first_pass_ = light_;  // of the same layers
 }
 
 void Progressive::add_light(const scene::Camera& camera, RenderSettings settings, bool anew,
@@ -159,7 +159,7 @@ void Progressive::add_light(const scene::Camera& camera, RenderSettings settings
 
 /// The sum that the picture is made of; null if there is none.
 const DimmablePicture* Progressive::sum_shown() const {
-  for (const std::optional<DimmablePicture>* sum : {&light_, &draft_}) {
+  for (const std::optional<DimmablePicture>* sum : {&light_, &first_pass_}) {
     if (*sum && (*sum)->pictures() > 0) return &**sum;
   }
   return nullptr;
@@ -186,8 +186,8 @@ void Progressive::show(image::Image picture, const image::Image& depth) {
                  [](float d) { return d > 0 ? uint8_t{1} : uint8_t{0}; });
 }
 
-void Progressive::draft() {
-  const PictureSize size = draft_size();
+void Progressive::first_pass() {
+  const PictureSize size = first_pass_size();
   RenderSettings what = settings(size);
   Timer timer;
   if (shown_ == Shown::Reference) {
@@ -195,13 +195,13 @@ void Progressive::draft() {
     show(std::move(frame.color), frame.depth);
   } else {
     prepare_sums();
-    timer.restart();  // the next draft need not prepare them
+    timer.restart();  // the next first pass need not prepare them
     const bool whole = size == size_;
-    (whole ? light_ : draft_)->add(camera_, what, /*anew=*/true, &seconds_);
+    (whole ? light_ : first_pass_)->add(camera_, what, /*anew=*/true, &seconds_);
     if (whole) ++pass_;
     show_light();
   }
-  draft_pixel_seconds_ = timer.seconds() / (double(size.width) * size.height);
+  first_pass_pixel_seconds_ = timer.seconds() / (double(size.width) * size.height);
 }
 
 void Progressive::whole(const std::function<bool()>& interrupted) {
@@ -276,7 +276,7 @@ bool Progressive::step(const std::function<bool()>& interrupted) {
   try {
     seconds_ = {};
     if (pass_ == 0) {
-      draft();
+      first_pass();
     } else if (pass_ == 1) {
       whole(interrupted);
     } else if (shown_ != Shown::Reference && averaged_ < kMeanPasses) {

@@ -1,6 +1,6 @@
-// A picture that gets better pass by pass: a draft within a fraction of a frame's time, a whole
-// picture by few rays, then the mean of many such with other rays and other places in the pixels.
-// Each is a sum by luminaire, so that dimming one begins nothing anew. What rests longer is
+// A picture that gets better pass by pass: a first pass within a fraction of a frame's time, a
+// whole picture by few rays, then the mean of many such with other rays and other places in the
+// pixels. Each is a sum by luminaire, so that dimming one begins nothing anew. What rests longer is
 // corrected by paths.
 #pragma once
 
@@ -21,8 +21,8 @@ namespace lte::infer::view {
 /// What a pass takes at least before it may be interrupted is one stage of Renderer.
 class Progressive {
  public:
-  /// Seconds that a draft may take; its size is chosen by what the last ones took.
-  static constexpr double kDraftSeconds = 0.06;
+  /// Seconds that a first pass may take; its size is chosen by what the last ones took.
+  static constexpr double kFirstPassSeconds = 0.06;
   /// Passes whose mean the picture is in the end. The mean is shown from kMinMean of them on.
   static constexpr int kMeanPasses = 24, kMinMean = 2;
   /// Paths a pixel of a reference that is done.
@@ -41,7 +41,7 @@ class Progressive {
   bool done() const;
   /// Renders the next pass.
   /// @param interrupted  asked now and then by any thread; a pass that it ends has not happened. A
-  ///                     draft is never interrupted: one that moves on must see something.
+  ///                     first pass is never interrupted: one that moves on must see something.
   /// @return  whether there is another picture to show
   bool step(const std::function<bool()>& interrupted);
 
@@ -54,7 +54,7 @@ class Progressive {
   /// 1 where a surface is seen, a byte a pixel of the picture.
   const std::vector<uint8_t>& surfaces() const { return surfaces_; }
 
-  int pass() const { return pass_; }  ///< of those done; 1 after the draft
+  int pass() const { return pass_; }  ///< of those done; 1 after the first pass
   int passes() const;
   double paths() const { return reference_sum_.weight; }    ///< a pixel, of all that were traced
   const StageSeconds& seconds() const { return seconds_; }  ///< of the last pass
@@ -72,7 +72,7 @@ class Progressive {
     image::Image mean() const;
   };
   double pixels() const { return double(size_.width) * size_.height; }
-  PictureSize draft_size() const;
+  PictureSize first_pass_size() const;
   bool traces() const { return shown_ == Shown::Reference || shown_ == Shown::Difference; }
   bool checks() const;
   RenderSettings settings(const PictureSize& size) const;
@@ -82,7 +82,7 @@ class Progressive {
   void prepare_sums();
   void add_light(const scene::Camera& camera, RenderSettings settings, bool anew,
                  const std::function<bool()>& interrupted);
-  void draft();
+  void first_pass();
   void whole(const std::function<bool()>& interrupted);
   bool mean(const std::function<bool()>& interrupted);
   bool check_answers(const std::function<bool()>& interrupted);
@@ -98,16 +98,16 @@ class Progressive {
   PictureSize size_;
   image::Image picture_, reference_;
   std::vector<uint8_t> surfaces_;
-  /// The whole picture, or the mean of `averaged_` ones, and the draft before it. Either none, or
-  /// both for this state and, perhaps, still without a picture.
-  std::optional<DimmablePicture> light_, draft_;
+  /// The whole picture, or the mean of `averaged_` ones, and the first pass before it. Either none,
+  /// or both for this state and, perhaps, still without a picture.
+  std::optional<DimmablePicture> light_, first_pass_;
   int averaged_ = 0;
   std::optional<LightCheck> check_;
   Sum reference_sum_;
   int pass_ = 0;
   StageSeconds seconds_;
   double elapsed_ = 0;
-  double draft_pixel_seconds_ = 1e-6;  ///< a guess until the first draft
+  double first_pass_pixel_seconds_ = 1e-6;  ///< a guess until the first one
   double path_pixel_seconds_ = 0;
   int64_t rendered_ = 0;
 };

@@ -1,4 +1,4 @@
-// What a page must know of a scene to list it, and what it is told of clicks and edits.
+// What a page must know of a scene to list it, and the replies to clicks and edits.
 #pragma once
 
 #include <cstddef>

@@ -35,7 +35,7 @@ struct ViewRequest : SceneSource {
 void add_view_options(CLI::App& app, ViewRequest* request);
 
 /// Serves until it is interrupted.
-/// @throws lte::Error for bad input, which pages that are open are told of too.
+/// @throws lte::Error for bad input, which open pages are sent, too.
 void run_view(const ViewRequest& request);
 
 }  // namespace lte::infer::view

@@ -209,7 +209,7 @@ void ViewLoop::publish() {
   const Timer timer;
   const DisplayPicture shown = display();
   const bool draft = progressive_.pass() < 2;
-  const std::string jpeg = encode_jpeg(shown, draft ? JpegQuality::Draft : JpegQuality::Still);
+  const std::string jpeg = encode_jpeg(shown, draft ? JpegQuality::Moving : JpegQuality::Still);
   const StageSeconds& seconds = progressive_.seconds();
   PictureHeader header;
   header.picture = ++picture_;

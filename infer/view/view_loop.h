@@ -38,7 +38,7 @@ class ViewLoop {
 
   /// @param newest   the state to show; must not block for long
   /// @param first    what is shown before a page asks for anything else
-  /// @param at_rest  told, by the loop's thread, of each camera that has come to rest; may be null
+  /// @param at_rest  called, by the loop's thread, with each camera at rest; may be null
   ViewLoop(std::function<Editor::Made()> newest, Pages* pages, const ViewState& first,
            AtRest at_rest = {});
   ~ViewLoop();

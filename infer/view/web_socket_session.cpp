@@ -60,10 +60,10 @@ void WebSocketSession::on_read(beast::error_code error) {
   const std::string text = beast::buffers_to_string(buffer_.data());
   buffer_.consume(buffer_.size());
   try {
-    const bool known = conversation_.greeted();
+    const bool known = conversation_.welcomed();
     const Message message = conversation_.next(text);
     if (!known) {
-      hub_->greeted(client_);
+      hub_->welcomed(client_);
     } else if (const auto* shows = std::get_if<Shows>(&message.request)) {
       while (!under_way_.empty() && under_way_.front() <= shows->picture) under_way_.pop_front();
       write();
@@ -91,7 +91,7 @@ void WebSocketSession::send_file(const std::shared_ptr<const std::string>& frame
 
 void WebSocketSession::send_picture(int64_t picture,
                                     const std::shared_ptr<const std::string>& frame) {
-  if (!conversation_.greeted()) return;
+  if (!conversation_.welcomed()) return;
   picture_ = frame;
   picture_number_ = picture;
   write();
@@ -142,7 +142,7 @@ void WebSocketSession::begin_close() {
 
 void WebSocketSession::leave() {
   closed_ = true;
-  if (client_ > 0) hub_->leave(client_, conversation_.greeted());
+  if (client_ > 0) hub_->leave(client_, conversation_.welcomed());
   client_ = 0;
 }
 

@@ -8,7 +8,7 @@
 
 #include "lte/base/text.h"
 #include "lte/runtime/device.h"
-#include "lte/runtime/refusal.h"
+#include "lte/runtime/limit_error.h"
 
 namespace lte::c_api {
 namespace {

@@ -6,8 +6,8 @@
 #include <CLI/CLI.hpp>
 
 #include "lte/base/text.h"
+#include "lte/scene/import/limit_error.h"
 #include "lte/scene/import/limits.h"
-#include "lte/scene/import/refusal.h"
 #include "lte/scene/load.h"
 
 namespace lte {

@@ -22,12 +22,12 @@ std::vector<float> to_floats(std::span<const Half> values) {
   return out;
 }
 
-PointLight sum_groups(const GroupedLight& light, int64_t groups) {
-  PointLight sum{sum_groups(light.direct, groups, 1),
-                 sum_groups(light.indirect, groups, 1),
-                 sum_groups(light.direct_back, groups, 1),
-                 sum_groups(light.indirect_back, groups, 1),
-                 {}};
+PointIrradiance sum_groups(const GroupedLight& light, int64_t groups) {
+  PointIrradiance sum{sum_groups(light.direct, groups, 1),
+                      sum_groups(light.indirect, groups, 1),
+                      sum_groups(light.direct_back, groups, 1),
+                      sum_groups(light.indirect_back, groups, 1),
+                      {}};
   if (light.error.empty()) return sum;
   const size_t count = sum.indirect.size();
   for (size_t i = 0; i < count; ++i) {

@@ -27,9 +27,9 @@ class ErrorOfSum {
   /// @param error  standard error of the group's `light`, of the mean over its channels, over that
   ///               mean: a tint or a gain leaves it as it is
   void add(float error, const Rgb& light) {
-    const double grey = (double{light.x} + light.y + light.z) / 3;
-    mean_ += grey;
-    variance_ += error * grey * (error * grey);
+    const double gray = (double{light.x} + light.y + light.z) / 3;
+    mean_ += gray;
+    variance_ += error * gray * (error * gray);
   }
   /// Over the mean of the sum: in [0, 1] if all that were added are; 0 without light.
   float relative() const {
@@ -48,11 +48,11 @@ struct GroupedLight {
 };
 
 /// The sum of it over the groups, each [M], what was empty still so.
-struct PointLight {
+struct PointIrradiance {
   std::vector<Rgb> direct, indirect, direct_back, indirect_back;
   std::vector<float> error;  ///< [M, 2], front and back
 };
 
-PointLight sum_groups(const GroupedLight& light, int64_t groups);
+PointIrradiance sum_groups(const GroupedLight& light, int64_t groups);
 
 }  // namespace lte::data

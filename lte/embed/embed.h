@@ -46,7 +46,7 @@ struct Embedded {
 };
 
 /// Samples scene points, estimates the light on them that the network reads, and encodes them.
-/// @throws runtime::Refusal for a scene wider than the model knows, unless settings.rescale, and
+/// @throws runtime::LimitError for a scene wider than the model knows, unless settings.rescale, and
 ///         where memory lacks.
 Embedded embed(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                const runtime::Network& network, const EmbedSettings& settings);

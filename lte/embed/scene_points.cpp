@@ -125,15 +125,15 @@ void solve_traced_lights(const pathtrace::Bvh& bvh, const pathtrace::Lights& lig
   solved_on.keep(rows);
   const std::vector<Rgb> direct = sum_over(traced, rows, s.position.size(), light.direct),
                          back = sum_over(traced, rows, s.position.size(), light.direct_back);
-  const radiosity::PointLight solved = radiosity::solve({solved_on.position,
-                                                         solved_on.normal,
-                                                         solved_on.albedo,
-                                                         solved_on.emission,
-                                                         solved_on.area,
-                                                         {},
-                                                         direct,
-                                                         back},
-                                                        1);
+  const radiosity::PointIrradiance solved = radiosity::solve({solved_on.position,
+                                                              solved_on.normal,
+                                                              solved_on.albedo,
+                                                              solved_on.emission,
+                                                              solved_on.area,
+                                                              {},
+                                                              direct,
+                                                              back},
+                                                             1);
   const auto spread = [&](const std::vector<Rgb>& values) {
     std::vector<Rgb> out(s.position.size());
     for (size_t k = 0; k < rows.size(); ++k) out[rows[k]] = values[k];

@@ -36,7 +36,7 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
 struct LitSamples {
   scene::SurfaceSamples surface;
   /// W/m²: pathtrace::LightEstimates summed over light groups; what is not read is empty.
-  data::PointLight light;
+  data::PointIrradiance light;
 
   /// Metallic and roughness of each point; borrows from this.
   std::span<const float> gloss() const {

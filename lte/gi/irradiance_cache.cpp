@@ -16,7 +16,7 @@ constexpr int64_t kGrain = 64;
 // Rays along a surface rise by this much a metre: they pass the unevenness of the surface itself.
 constexpr float kRise = 0.15f;
 
-float grey(const Rgb& light) { return light.x + light.y + light.z; }
+float gray(const Rgb& light) { return light.x + light.y + light.z; }
 
 int octant(float x, float y) {
   return (y < 0 ? 4 : 0) + (x < 0 ? 2 : 0) + (std::fabs(y) > std::fabs(x) ? 1 : 0);
@@ -64,7 +64,7 @@ IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& 
   for (size_t i = 0; i < records_.size(); ++i) {
     LTE_CHECK(direct.empty() || is_finite(direct[i]), "irradiance cache: direct light ", i,
               " is not finite");
-    if (!direct.empty()) records_[i].direct = grey(direct[i]);
+    if (!direct.empty()) records_[i].direct = gray(direct[i]);
     if (!direct_variance.empty()) records_[i].noise = direct_variance[i];
     if (!has_walls[i]) continue;
     records_[i].walls = static_cast<uint32_t>(walls_.size());
@@ -96,10 +96,10 @@ void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb
   for (size_t i = 0; i < irradiance.size(); ++i) {
     LTE_CHECK(is_finite(irradiance[i]), "irradiance cache: irradiance ", i, " is not finite");
     records_[i].irradiance = irradiance[i];
-    records_[i].total = grey(irradiance[i]);
+    records_[i].total = gray(irradiance[i]);
     records_[i].silent = false;
-    light += double{grey(irradiance[i])} * double{records.area[i]};
-    lit += grey(irradiance[i]) > 0 ? double{records.area[i]} : 0;
+    light += double{gray(irradiance[i])} * double{records.area[i]};
+    lit += gray(irradiance[i]) > 0 ? double{records.area[i]} : 0;
   }
   even_below_ = lit > 0 ? options_.even_below * static_cast<float>(light / lit) : 0;
   silence_dark_sheets(records);
@@ -117,7 +117,7 @@ void IrradianceCache::silence_dark_sheets(const CacheRecords& records) {
   std::vector<uint8_t> reached(records_.size());
   std::vector<uint32_t> open;
   for (uint32_t i = 0; i < records_.size(); ++i) {
-    reached[i] = grey(records_[i].irradiance) > 0;
+    reached[i] = gray(records_[i].irradiance) > 0;
     if (reached[i]) open.push_back(i);
   }
   while (!open.empty()) {

@@ -17,7 +17,7 @@ Rgb tone_map(ToneCurve curve, const Rgb& exposed) {
     case ToneCurve::Reinhard:
       return min(light * (1 / (1 + luminance(light))), {1, 1, 1});
     case ToneCurve::Filmic: {
-      constexpr float kBefore = 2;  // middle grey stays about where the other curves have it
+      constexpr float kBefore = 2;  // middle gray stays about where the other curves have it
       const float white = 1 / hable(4 * kBefore);
       return min(
           Rgb{hable(kBefore * light.x), hable(kBefore * light.y), hable(kBefore * light.z)} * white,

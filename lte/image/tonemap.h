@@ -25,7 +25,7 @@ float auto_exposure(const Image& linear, float percentile = 0.95f, float target 
 inline constexpr double kMinMetered = 0.01;
 
 /// Puts clamp(exposure * linear) through the sRGB curve, into 3 channels (a one-channel image gives
-/// grey). A pixel that is not finite becomes magenta, so that it is seen.
+/// gray). A pixel that is not finite becomes magenta, so that it is seen.
 Image tonemap(const Image& linear, float exposure);
 
 /// Exposed light through a tone curve and sRGB, rounded to 8 bits. With the linear curve it is

@@ -54,18 +54,18 @@ at::Tensor composed_means(const LightPrior& prior, const at::Tensor& position,
   const at::Tensor both = all.narrow(1, 0, columns) + all.narrow(1, columns, columns);
   const at::Tensor mean =
       weighted(share, light) + (both - light.sum(1)).mul(weights.least).div(total);
-  const at::Tensor grey = light.narrow(2, 0, 3).mean(2, /*keepdim=*/true);  // [Q, k, 1]
+  const at::Tensor gray = light.narrow(2, 0, 3).mean(2, /*keepdim=*/true);  // [Q, k, 1]
   const at::Tensor middle = mean.narrow(1, 0, 3).mean(1).view({Q, 1, 1});
-  const at::Tensor difference = grey.sub(middle);
+  const at::Tensor difference = gray.sub(middle);
   std::vector<at::Tensor> means = {mean,
                                    weighted(share, difference.square()),
                                    total,
                                    facing.mean(1, /*keepdim=*/true),
                                    height.div(scale.sqrt()).mean(1, /*keepdim=*/true),
-                                   grey.mean(1),
+                                   gray.mean(1),
                                    scale};
   if (prior.error.defined())
-    means.push_back(weighted(share.square(), grey.mul(side_of(prior.error)).square()));
+    means.push_back(weighted(share.square(), gray.mul(side_of(prior.error)).square()));
   return at::cat(means, 1);
 }
 
@@ -85,9 +85,9 @@ LightReading reading(const at::Tensor& means, const at::Tensor& floor) {
   using Column = ops::PriorColumn;
   const at::Tensor light = means.narrow(1, Column::kLight, ops::kPriorLight),
                    irradiance = means.narrow(1, Column::kLight, 3);
-  const at::Tensor grey = irradiance.mean(1, /*keepdim=*/true);
+  const at::Tensor gray = irradiance.mean(1, /*keepdim=*/true);
   const auto relative = [&](int64_t variance) {
-    return column(variance).sqrt().div(grey.add(kPriorLeastMean));
+    return column(variance).sqrt().div(gray.add(kPriorLeastMean));
   };
   std::vector<at::Tensor> features = {
       light.log1p(),
@@ -95,7 +95,7 @@ LightReading reading(const at::Tensor& means, const at::Tensor& floor) {
       column(Column::kWeight).log().div(kPriorLogScale),
       column(Column::kFacing),
       column(Column::kHeight),
-      column(Column::kGrey).log1p().sub(grey.log1p()),
+      column(Column::kGray).log1p().sub(gray.log1p()),
       column(Column::kDistance2).log().add(kPriorLogShift).div(kPriorLogScale)};
   if (means.size(1) > Column::kNoise) features.push_back(relative(Column::kNoise));
   return {irradiance.add(floor), at::cat(features, 1)};

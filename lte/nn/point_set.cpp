@@ -1,6 +1,8 @@
 #include "lte/nn/point_set.h"
 
+#include <algorithm>
 #include <cmath>
+#include <compare>
 #include <limits>
 
 #include <ATen/ATen.h>
@@ -153,6 +155,29 @@ PointSet PointSet::to(c10::Device device) const {
   for (at::Tensor* t : out.tensors()) {
     if (t->defined()) *t = t->to(device);
   }
+  return out;
+}
+
+PointSet in_canonical_order(const PointSet& points) {
+  PointSet out = points;
+  std::vector<at::Tensor> columns;
+  for (const at::Tensor* t : out.tensors())
+    if (t->defined()) columns.push_back(t->to(at::kCPU, at::kFloat).view({t->size(0), -1}));
+  const at::Tensor rows = at::cat(columns, 1).contiguous();
+  const auto* values = rows.const_data_ptr<float>();
+  const int64_t width = rows.size(1);
+  at::Tensor order = at::arange(rows.size(0), at::kLong);
+  auto* first = order.data_ptr<int64_t>();
+  std::sort(first, first + order.size(0), [&](int64_t a, int64_t b) {
+    // Values that are not finite have a place, too; the checks of an encoder name them.
+    for (int64_t i = 0; i < width; ++i) {
+      const auto by = std::strong_order(values[a * width + i], values[b * width + i]);
+      if (by != 0) return by < 0;
+    }
+    return false;
+  });
+  for (at::Tensor* t : out.tensors())
+    if (t->defined()) *t = t->index_select(0, order.to(t->device()));
   return out;
 }
 

@@ -60,6 +60,11 @@ void check_queries(const QuerySet& queries);
 ///         surface
 void check_directions(const QuerySet& queries, const at::Tensor& directions);
 
+/// The same points by position along x, then y, then z, then by whatever else there is of them: one
+/// order for all orders in which a caller may have them. What an encoder makes of points hangs on
+/// their order, as farthest point sampling starts with the first.
+PointSet in_canonical_order(const PointSet& points);
+
 /// Area-weighted mean emission by color channel, [3] float64 on the CPU; 0 for a channel without
 /// emission. The network reads emission divided by it, and answers irradiance divided by it: no
 /// surface moves light from one channel to another, so each channel of irradiance is linear in the

@@ -1,5 +1,5 @@
 // Argument checks that several operators share. Each operator has one check of its own, in
-// x_args.h, that all its twins call.
+// x_args.h, that all its kernels call.
 //
 // Shapes, types and devices are checked everywhere. What a tensor holds is checked on the CPU
 // alone: for a look into the memory of a GPU the host would have to wait, so kernels assert it.

@@ -1,4 +1,4 @@
-// What curve_codes() accepts, and the curve arithmetic that its twins share.
+// What curve_codes() accepts, and the curve arithmetic that its kernels share.
 #pragma once
 
 #include <cstdint>

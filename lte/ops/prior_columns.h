@@ -33,7 +33,7 @@ struct PriorColumn {
   static constexpr int64_t kWeight = 7;      ///< Σ w_j
   static constexpr int64_t kFacing = 8;      ///< plain mean of max(0, n·n_j)
   static constexpr int64_t kHeight = 9;      ///< plain mean of h_j / d̄
-  static constexpr int64_t kGrey = 10;       ///< plain mean of g_j
+  static constexpr int64_t kGray = 10;       ///< plain mean of g_j
   static constexpr int64_t kDistance2 = 11;  ///< d̄²
   /// Only of points that know the relative errors r_j of g_j: Σ (w_j r_j g_j)² / (Σ w_j)², the
   /// variance of g that they make.

@@ -1,5 +1,5 @@
-// The walk of a ray among discs, which the twins of see_surfels() share. What tests the discs of a
-// cell is theirs: loops over lanes on the CPU, a plain loop on CUDA.
+// The walk of a ray among discs, which the kernels of see_surfels() share. What tests the discs of
+// a cell is theirs: loops over lanes on the CPU, a plain loop on CUDA.
 //
 // Functions of C, and vectors of its own: device code has no others.
 #pragma once

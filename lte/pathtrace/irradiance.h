@@ -27,7 +27,10 @@ struct IrradianceOptions {
   /// Without it, one ray stays one ray, which has no spread, and Irradiance::variance and
   /// variance_total stay empty; more rays give the same values.
   bool variance = true;
-  /// Irradiance::group_variance is wanted too. It needs `variance`.
+  /// Light by group; without it the sum alone, as one group: memory and time for a scene of
+  /// thousands of luminaires.
+  bool by_group = true;
+  /// Irradiance::group_variance is wanted too. It needs `variance` and `by_group`.
   bool group_variance = false;
   Sampling sampling = Sampling::Sobol;  ///< Random: to measure what stratification saves
 };

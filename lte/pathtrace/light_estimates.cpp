@@ -34,8 +34,8 @@ LitPoints points_without_emission(std::span<const Vec3> positions, std::span<con
 
 /// At most 1: no values that are not negative spread more than their mean.
 float relative_error(float variance, const Rgb& mean) {
-  const float grey = (mean.x + mean.y + mean.z) / 3;
-  return grey > 0 ? std::min(1.0f, std::sqrt(variance) / grey) : 0.0f;
+  const float gray = (mean.x + mean.y + mean.z) / 3;
+  return gray > 0 ? std::min(1.0f, std::sqrt(variance) / gray) : 0.0f;
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace lte::radiosity {
 namespace {
 
-/// Clearances are told up to this many cells.
+/// Clearances are known up to this many cells.
 constexpr int32_t kFarthest = 16;
 
 /// out[i] = min over j of max(line[j], |i - j|), at most kFarthest.

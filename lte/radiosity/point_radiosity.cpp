@@ -31,7 +31,7 @@ constexpr float kMinDirect = 1e-9f, kMinTransfer = 2e-4f;
 /// Of what senders stand for, the share that is reflected light; the other is area.
 constexpr double kShareByLight = 0.5;
 /// Normals are alike that agree, axis by axis, on being above it, below −it or between.
-constexpr float kAlike = 0.5f;
+constexpr float kMinAxisCosine = 0.5f;
 constexpr int64_t kGrain = 16;
 
 /// Light that goes from a sender to a receiver.
@@ -48,7 +48,7 @@ using Sides = std::array<Rgb, 2>;
 struct Work {
   Transfers transfers;
   std::vector<Link> links;
-  std::vector<size_t> asked;  ///< clusters
+  std::vector<size_t> queried;  ///< clusters
   std::vector<Vec3> ends;
   std::vector<uint8_t> visible;
 };
@@ -74,7 +74,7 @@ class Solver {
     indirect_.resize(direct_.size());
   }
 
-  PointLight run() {
+  PointIrradiance run() {
     parallel_for(static_cast<int64_t>(dark_.size()), kGrain, [&](int64_t first, int64_t last) {
       Work work;
       for (int64_t i = first; i < last; ++i) add_direct(dark_[static_cast<size_t>(i)], &work);
@@ -91,7 +91,7 @@ class Solver {
           indirect_[row(g) + point] = gather(work.links, g, reflected);
       }
     });
-    PointLight light;
+    PointIrradiance light;
     add_sides(direct_, &light.direct, &light.direct_back);
     add_sides(indirect_, &light.indirect, &light.indirect_back);
     return light;
@@ -164,7 +164,7 @@ class Solver {
       const Vec3& n = points_.normal[i];
       int64_t facing = 0;
       for (int axis = 0; axis < 3; ++axis)
-        facing = 3 * facing + (n[axis] > kAlike ? 2 : n[axis] < -kAlike ? 1 : 0);
+        facing = 3 * facing + (n[axis] > kMinAxisCosine ? 2 : n[axis] < -kMinAxisCosine ? 1 : 0);
       const std::optional<int32_t> cell = cubes.cell_of(points_.position[i]);
       keyed.emplace_back(
           cell ? 27 * int64_t{*cell} + facing : 27 * (alone + static_cast<int64_t>(i)), i);
@@ -201,21 +201,21 @@ class Solver {
     const auto counts = [&](size_t k) {
       return weight[k] >= kMinDirect && (sides[k] & Transfers::kFromBack) == 0;
     };
-    work->asked.clear();
+    work->queried.clear();
     work->ends.clear();
     for (size_t c = 0; c < clusters_.size(); ++c) {
       const Cluster& cluster = clusters_[c];
       for (size_t k = cluster.first; k < cluster.last; ++k) {
         if (!counts(k)) continue;
-        work->asked.push_back(c);
+        work->queried.push_back(c);
         work->ends.push_back(cluster.middle);
         break;
       }
     }
     grid_.see(points_.position[i], work->ends, &work->visible);
-    for (size_t a = 0; a < work->asked.size(); ++a) {
+    for (size_t a = 0; a < work->queried.size(); ++a) {
       if (work->visible[a] == 0) continue;
-      const Cluster& cluster = clusters_[work->asked[a]];
+      const Cluster& cluster = clusters_[work->queried[a]];
       for (size_t k = cluster.first; k < cluster.last; ++k) {
         if (!counts(k)) continue;
         const size_t j = luminaires_[k], to = (sides[k] & Transfers::kToBack) != 0 ? 1 : 0;
@@ -225,9 +225,9 @@ class Solver {
     }
   }
 
-  /// Chooses points that reflect light to others: all, or where those are more than are asked for,
-  /// points each of which stands for as much as any other along a curve through all, half of it
-  /// area and half the direct light that it reflects. Drawn at random, or by area alone, too few
+  /// Chooses points that reflect light to others: all, or where those are more than are queried
+  /// for, points each of which stands for as much as any other along a curve through all, half of
+  /// it area and half the direct light that it reflects. Drawn at random, or by area alone, too few
   /// lie where a lamp shines.
   void choose_senders() {
     const auto wanted = static_cast<size_t>(options_.senders);
@@ -403,7 +403,7 @@ void check(const Points& points, int64_t groups, const Options& options) {
 
 }  // namespace
 
-PointLight solve(const Points& points, int64_t groups, const Options& options) {
+PointIrradiance solve(const Points& points, int64_t groups, const Options& options) {
   check(points, groups, options);
   return Solver(points, groups, options).run();
 }

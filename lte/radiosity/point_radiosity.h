@@ -23,8 +23,8 @@ struct Points {
   std::span<const float> area;    ///< m² that each point stands for
   /// Light group of each point that emits, −1 for the others; empty: one group.
   std::span<const int32_t> light_group = {};
-  /// Direct irradiance of lights that no point stands for, [groups, points] as PointLight has it:
-  /// the solution takes it as it is, and reflects it. Empty: there is none.
+  /// Direct irradiance of lights that no point stands for, [groups, points] as PointIrradiance has
+  /// it: the solution takes it as it is, and reflects it. Empty: there is none.
   std::span<const Rgb> direct = {}, direct_back = {};
 };
 
@@ -39,13 +39,13 @@ struct Options {
 inline constexpr int kSolverVersion = 4;
 
 /// Irradiance in W/m², [groups, points] each; 0 at points that emit.
-struct PointLight {
+struct PointIrradiance {
   std::vector<Rgb> direct, indirect;            ///< on the two sides of the surface together
   std::vector<Rgb> direct_back, indirect_back;  ///< of that, on the side that faces away
 };
 
 /// The result does not depend on threads. Points without area or in one place give finite values.
 /// @throws lte::Error if the spans differ in length or a light group is not below `groups`
-PointLight solve(const Points& points, int64_t groups, const Options& options = {});
+PointIrradiance solve(const Points& points, int64_t groups, const Options& options = {});
 
 }  // namespace lte::radiosity

@@ -14,7 +14,7 @@ constexpr int32_t kReach = 4;
 /// Cells by which a surfel may lie off the plane of another and still be of it.
 constexpr float kFlat = 0.2f;
 /// Cosine between the normals of two that lie in one plane.
-constexpr float kAlike = 0.95f;
+constexpr float kMinNormalCosine = 0.95f;
 
 std::pair<int32_t, int32_t> key(const Surfel& s) { return {s.cell, s.axis}; }
 bool comes_first(const Surfel& a, const Surfel& b) { return key(a) < key(b); }
@@ -55,7 +55,7 @@ std::vector<std::array<int32_t, 3>> half_of_offsets() {
 bool in_one_plane(const Surfel& a, const Surfel& b, float cell) {
   const Vec3 d = b.middle - a.middle;
   const float off = std::max(std::abs(dot(d, a.normal)), std::abs(dot(d, b.normal)));
-  return a.axis == b.axis && off <= kFlat * cell && dot(a.normal, b.normal) >= kAlike;
+  return a.axis == b.axis && off <= kFlat * cell && dot(a.normal, b.normal) >= kMinNormalCosine;
 }
 
 std::vector<Surfel> at_points(std::span<const Vec3> positions, std::span<const Vec3> normals,

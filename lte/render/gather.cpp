@@ -16,7 +16,7 @@
 // find (a slit, a lamp around two corners) makes blotches of the size of what a ray sees, which
 // more rays do not cure; more records and paths from them do, and so do the picture's own paths
 // (combine.h). A network's records take their level from the scene and are reflected once by
-// gathered rays (lte/gi/reflected_guess.h); what is left of its error is smooth.
+// gathered rays (lte/gi/network_light_level.h); what is left of its error is smooth.
 #include "lte/gi/gather.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/gi/cache_records.h"
-#include "lte/gi/reflected_guess.h"
+#include "lte/gi/network_light_level.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/render/gathered_points.h"
 #include "lte/render/integrator.h"
@@ -94,10 +94,10 @@ gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& se
 
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
                                const gi::CacheRecords& records, const gi::RecordLight& light) {
-  gi::ReflectionOptions options;
+  gi::LevelOptions options;
   options.max_depth = settings.max_depth;
   options.seed = hash_combine(settings.seed, kLight);
-  return gi::reflect_guess(scene.bvh, scene.lights, records, light, options);
+  return gi::level_network_light(scene.bvh, scene.lights, records, light, options);
 }
 
 double cache_mb(const CacheSettings& settings, int64_t groups) {

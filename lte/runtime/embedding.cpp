@@ -74,14 +74,14 @@ MemoryNeed encoding_need(const Network& network, int64_t scene_points) {
   return {concat("encoding ", scene_points, " scene points"),
           encode_mb(network.config(), scene_points),
           "take fewer scene points",
-          {Remedy::FewerScenePoints}};
+          {Hint::FewerScenePoints}};
 }
 
 MemoryNeed decoding_need(const Network& network, int64_t queries, int64_t block) {
   return {concat("decoding ", queries, " queries"),
           decode_mb(network.config(), queries, block),
           "ask for fewer at once, or limit memory so that fewer are decoded at a time",
-          {Remedy::FewerQueries, Remedy::MemoryLimit}};
+          {Hint::FewerQueries, Hint::MemoryLimit}};
 }
 
 EmbeddingInfo info_of(const nn::Embedding& embedding, int64_t scene_points) {
@@ -98,6 +98,14 @@ EmbeddingInfo info_of(const nn::Embedding& embedding, int64_t scene_points) {
   }
   info.scale = embedding.scale;
   return info;
+}
+
+/// Names rows as the caller has them, before they are put in order.
+void check_rows(const nn::PointSet& points, const nn::ModelConfig& config) {
+  if (solves_light_of(points, config))
+    nn::check_surfaces(points);
+  else
+    nn::check_points(points, config);
 }
 
 /// The triples that `decode` answers, which takes as many queries at a time as memory allows.
@@ -170,7 +178,9 @@ SceneEmbedding TorchParts::encode(const Network& network, const nn::PointSet& po
   const at::NoGradGuard no_grad;
   const c10::Device device = torch_device(network.device());
   const c10::DeviceGuard guard(device);
-  const nn::PointSet set = with_solved_light(points, network.config()).to(device);
+  check_rows(points, network.config());
+  const nn::PointSet set =
+      with_solved_light(nn::in_canonical_order(points), network.config()).to(device);
   const nn::Frame frame = frame_of(network, set.position, options);
   auto state = std::make_unique<SceneEmbedding::State>(network, options.memory);
   state->scene_points = set.position.size(0);
@@ -257,7 +267,7 @@ std::vector<Rgb> SceneEmbedding::decode(const QueryPoints& queries) const {
       [&](const nn::DecodeOptions& options) { return TorchParts::decode(*this, set, options); });
 }
 
-std::vector<Rgb> SceneEmbedding::cached_light(const QueryPoints& queries) const {
+std::vector<Rgb> SceneEmbedding::light_prior(const QueryPoints& queries) const {
   return own_errors([&]() -> std::vector<Rgb> {
     const at::NoGradGuard no_grad;
     const nn::Embedding parts = state_->parts();

@@ -45,7 +45,7 @@ struct EmbeddingInfo {
 /// Any number of threads may use one at the same time.
 class SceneEmbedding {
  public:
-  /// Runs the encoder.
+  /// Runs the encoder. The order of the points counts for nothing (nn::in_canonical_order()).
   /// @throws lte::Error of one line for arrays of different lengths, values that are not finite or
   ///         light that the network reads and that is missing; SceneTooLarge; NotEnoughMemory.
   SceneEmbedding(const Network& network, const ScenePoints& points,
@@ -74,7 +74,7 @@ class SceneEmbedding {
   /// path-traced estimates or a radiosity solution, interpolated (nn::LightPrior). Empty for a
   /// network without such a cache.
   /// @throws lte::Error as decode()
-  std::vector<Rgb> cached_light(const QueryPoints& queries) const;
+  std::vector<Rgb> light_prior(const QueryPoints& queries) const;
 
   /// Incident radiance in W sr^-1 m^-2 from so many directions of each query: of the light that the
   /// model answers for, as irradiance is. Those of one query share what is gathered around it.

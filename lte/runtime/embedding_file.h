@@ -10,7 +10,7 @@
 
 namespace lte::runtime {
 
-/// What an embedding was made of, as its owner tells: texts by name, such as {"seed", "0"}. Names
+/// What an embedding was made of, as its owner says: texts by name, such as {"seed", "0"}. Names
 /// are made of letters, digits, blanks and dashes.
 using EmbeddingKey = std::map<std::string, std::string>;
 

@@ -33,24 +33,24 @@ double MemoryLimit::left_mb() const {
   return std::isinf(limit_mb_) ? limit_mb_ : limit_mb_ + base_mb_ - current_rss_mb();
 }
 
-void MemoryLimit::check(const std::string& stage, std::vector<Remedy> remedies) const {
+void MemoryLimit::check(const std::string& stage, std::vector<Hint> hints) const {
   const double left = left_mb();
   if (left >= 0) return;
-  remedies.push_back(Remedy::MemoryLimit);
+  hints.push_back(Hint::MemoryLimit);
   throw NotEnoughMemory(concat("memory limit of ", memory_text(limit_mb_), ": ",
                                memory_text(limit_mb_ - left), " are in use after ", stage),
-                        std::move(remedies));
+                        std::move(hints));
 }
 
-void MemoryLimit::check_ahead(double more_mb, const std::string& what, const std::string& remedy,
-                              std::vector<Remedy> remedies) const {
+void MemoryLimit::check_ahead(double more_mb, const std::string& what, const std::string& hint,
+                              std::vector<Hint> hints) const {
   const double left = left_mb();
   if (more_mb <= left) return;
-  remedies.push_back(Remedy::MemoryLimit);
+  hints.push_back(Hint::MemoryLimit);
   throw NotEnoughMemory(concat("memory limit of ", memory_text(limit_mb_), ": ", what, " needs ",
                                memory_text(more_mb), " and ", memory_text(std::max(0.0, left)),
-                               " are left: ", remedy, ", or raise the limit"),
-                        std::move(remedies));
+                               " are left: ", hint, ", or raise the limit"),
+                        std::move(hints));
 }
 
 void MemoryLimit::check_encoding(const nn::ModelConfig& config, int64_t scene_points) const {
@@ -61,7 +61,7 @@ void MemoryLimit::check_encoding(const nn::ModelConfig& config, int64_t scene_po
   check_ahead(need, concat("encoding ", scene_points, " scene points"),
               fit > 0 ? concat("take ", fit, " scene points or fewer")
                       : std::string("take fewer scene points or a smaller model"),
-              {Remedy::FewerScenePoints});
+              {Hint::FewerScenePoints});
 }
 
 int64_t MemoryLimit::query_block(const nn::ModelConfig& config, int64_t queries,
@@ -70,7 +70,7 @@ int64_t MemoryLimit::query_block(const nn::ModelConfig& config, int64_t queries,
   if (decode_mb(config, queries, most) <= left) return most;
   const double least = decode_mb(config, queries, kMinBlock);
   check_ahead(least, concat("decoding ", queries, " queries, ", kMinBlock, " at a time,"),
-              "ask for fewer at once", {Remedy::FewerQueries});
+              "ask for fewer at once", {Hint::FewerQueries});
   const double per_query = (decode_mb(config, queries, most) - least) /
                            static_cast<double>(std::min(queries, most) - kMinBlock);
   return kMinBlock + static_cast<int64_t>((left - least) / per_query);

@@ -11,7 +11,7 @@
 #include "lte/base/check.h"
 #include "lte/nn/config.h"
 #include "lte/nn/inference_memory.h"
-#include "lte/runtime/refusal.h"
+#include "lte/runtime/limit_error.h"
 
 namespace lte::runtime {
 
@@ -30,14 +30,14 @@ class MemoryLimit {
 
   double left_mb() const;
   /// @param stage     what has been done
-  /// @param remedies  what would have needed less
+  /// @param hints  what would have needed less
   /// @throws NotEnoughMemory if more has been added than allowed.
-  void check(const std::string& stage, std::vector<Remedy> remedies = {}) const;
+  void check(const std::string& stage, std::vector<Hint> hints = {}) const;
   /// @param what      needs the memory
-  /// @param remedy    what to do, in words; `remedies` tells it to programs
+  /// @param hint    what to do, in words; `hints` tells it to programs
   /// @throws NotEnoughMemory if there is no room for `more_mb`.
-  void check_ahead(double more_mb, const std::string& what, const std::string& remedy,
-                   std::vector<Remedy> remedies = {}) const;
+  void check_ahead(double more_mb, const std::string& what, const std::string& hint,
+                   std::vector<Hint> hints = {}) const;
   /// @throws NotEnoughMemory if so many points cannot be encoded, naming how many could.
   void check_encoding(const nn::ModelConfig& config, int64_t scene_points) const;
   /// The largest block of queries that fits, at most `most`.
@@ -57,10 +57,10 @@ bool is_out_of_memory(const std::exception& error);
 
 /// What to say where memory runs out.
 struct MemoryNeed {
-  std::string doing;   ///< "encoding 20000 scene points"
-  double mb = 0;       ///< above the model
-  std::string remedy;  ///< what to do
-  std::vector<Remedy> remedies = {};
+  std::string doing;  ///< "encoding 20000 scene points"
+  double mb = 0;      ///< above the model
+  std::string hint;   ///< what to do
+  std::vector<Hint> hints = {};
 };
 
 /// Runs `body`. @throws NotEnoughMemory that says `need` where memory runs out.
@@ -71,8 +71,8 @@ auto explain_out_of_memory(const MemoryNeed& need, const Body& body) {
   } catch (const std::exception& error) {
     if (!is_out_of_memory(error)) throw;
     throw NotEnoughMemory(concat("out of memory while ", need.doing, ", which needs about ",
-                                 memory_text(need.mb), " above the model: ", need.remedy),
-                          need.remedies);
+                                 memory_text(need.mb), " above the model: ", need.hint),
+                          need.hints);
   }
 }
 

@@ -56,7 +56,7 @@ void Network::check_fits(double extent_m, bool rescale) const {
   if (extent_m <= config().scale || rescale) return;
   throw SceneTooLarge(concat("the scene spans ", extent_m, " m, the model knows scenes up to ",
                              config().scale, " m: set rescale to shrink it for the network"),
-                      {Remedy::Rescale});
+                      {Hint::Rescale});
 }
 
 }  // namespace lte::runtime

@@ -10,7 +10,7 @@
 #include "lte/nn/model_metadata.h"
 #include "lte/nn/precision.h"
 #include "lte/runtime/device.h"
-#include "lte/runtime/refusal.h"
+#include "lte/runtime/limit_error.h"
 
 namespace lte::runtime {
 

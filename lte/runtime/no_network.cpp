@@ -55,7 +55,7 @@ void SceneEmbedding::set_emission_gain(const std::array<double, 3>&) { require_n
 std::vector<Rgb> SceneEmbedding::decode(const QueryPoints&) const {
   return none<std::vector<Rgb>>();
 }
-std::vector<Rgb> SceneEmbedding::cached_light(const QueryPoints&) const {
+std::vector<Rgb> SceneEmbedding::light_prior(const QueryPoints&) const {
   return none<std::vector<Rgb>>();
 }
 std::vector<Rgb> SceneEmbedding::decode_radiance(const QueryPoints&, std::span<const Vec3>) const {

@@ -25,14 +25,17 @@ at::Tensor tensor(const std::vector<Rgb>& light) {
 
 }  // namespace
 
+bool solves_light_of(const nn::PointSet& points, const nn::ModelConfig& config) {
+  return config.solves_light() && !points.direct.defined() && !points.indirect.defined();
+}
+
 nn::PointSet with_solved_light(nn::PointSet points, const nn::ModelConfig& config) {
-  if (!config.solves_light() || points.direct.defined() || points.indirect.defined()) return points;
-  nn::check_surfaces(points);
+  if (!solves_light_of(points, config)) return points;
   const c10::Device device = points.position.device();
   const at::Tensor position = on_cpu(points.position), normal = on_cpu(points.normal),
                    albedo = on_cpu(points.albedo), emission = on_cpu(points.emission),
                    area = on_cpu(points.area);
-  const radiosity::PointLight light =
+  const radiosity::PointIrradiance light =
       radiosity::solve({triples(position), triples(normal), triples(albedo), triples(emission),
                         std::span(area.const_data_ptr<float>(), static_cast<size_t>(area.size(0)))},
                        1);

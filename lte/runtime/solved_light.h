@@ -5,9 +5,12 @@
 
 namespace lte::runtime {
 
-/// The points with their direct and indirect irradiance by lte/radiosity, if a model of `config`
-/// reads those and they are not given; else as they are. On the device of the points, float32.
-/// Rows that encode() would refuse are left to it.
+/// Whether a model of `config` reads such light and the points are without it.
+bool solves_light_of(const nn::PointSet& points, const nn::ModelConfig& config);
+
+/// The points with their direct and indirect irradiance by lte/radiosity, where
+/// solves_light_of() them; else as they are. On the device of the points, float32.
+/// @param points  that pass nn::check_surfaces()
 nn::PointSet with_solved_light(nn::PointSet points, const nn::ModelConfig& config);
 
 }  // namespace lte::runtime

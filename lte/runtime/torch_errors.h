@@ -7,7 +7,7 @@
 #include <c10/util/Exception.h>
 
 #include "lte/nn/one_line_errors.h"
-#include "lte/runtime/refusal.h"
+#include "lte/runtime/limit_error.h"
 
 namespace lte::runtime {
 

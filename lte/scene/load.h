@@ -20,8 +20,8 @@ namespace lte::scene {
 /// @throws lte::Error naming file and element (PBRT, OBJ: line): an extension that none of the
 /// importers has, a missing, truncated or foreign file, an index out of range, a number that is not
 /// finite or outside the ranges of number_check.h, cyclic nodes, a required extension of glTF that
-/// lte lacks, no triangles at all. OutsideFolder, OverLimit (lte/scene/import/refusal.h): more than
-/// `limits` allow.
+/// lte lacks, no triangles at all. OutsideFolder, OverLimit (lte/scene/import/limit_error.h): more
+/// than `limits` allow.
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits = {});
 
 }  // namespace lte::scene

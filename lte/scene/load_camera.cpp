@@ -153,7 +153,7 @@ CameraChoice read_cameras(const std::filesystem::path& path) {
   if (!found.is_array()) return {{read_camera(found, file, name)}, false};
   LTE_CHECK(!found.empty() && found.size() <= kMaxCameras, file, ": expected 1 to ", kMaxCameras,
             " cameras, got ", found.size());
-  // An array of numbers, say, is told what a camera looks like.
+  // For an array of numbers, say, the message shows what a camera looks like.
   if (!found[0].is_object()) return {{read_camera(found[0], file, name)}, false};
   CameraChoice choice{{}, true};
   for (size_t i = 0; i < found.size(); ++i) {

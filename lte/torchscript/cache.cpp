@@ -33,7 +33,7 @@ constexpr const char* kFillCache =
 {errors})SCRIPT";
 
 constexpr const char* kNoise = R"SCRIPT(    error = embedding['cache_error'][index]
-    error = torch.where(back, error[:, :, 1:2], error[:, :, 0:1]) * grey
+    error = torch.where(back, error[:, :, 1:2], error[:, :, 0:1]) * gray
     noise = torch.sqrt(self.weighted(share * share, error * error)) / (grey_mean + {least_mean})
     features = torch.cat([features, noise], 1)
 )SCRIPT";
@@ -70,12 +70,12 @@ def cached(self, embedding: Dict[str, Tensor], position: Tensor,
     total = torch.sum(weight, [1], True)
     share = weight / total
     mean = self.weighted(share, light) + other * {least} / total
-    grey = torch.mean(light[:, :, 0:3], [2], True)
+    gray = torch.mean(light[:, :, 0:3], [2], True)
     grey_mean = torch.mean(mean[:, 0:3], [1], True)
-    difference = grey - grey_mean.unsqueeze(1)
+    difference = gray - grey_mean.unsqueeze(1)
     variance = self.weighted(share, difference * difference)
     spread = torch.sqrt(variance) / (grey_mean + {least_mean})
-    contrast = torch.log1p(torch.mean(grey, [1])) - torch.log1p(grey_mean)
+    contrast = torch.log1p(torch.mean(gray, [1])) - torch.log1p(grey_mean)
     features = torch.cat([
         torch.log1p(mean),
         torch.log1p(spread),

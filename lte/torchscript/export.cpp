@@ -114,9 +114,10 @@ ExportCheck compare(torch::jit::Module& module, nn::LightTransportModel& model,
                     (got - expected).abs().max().item<double>() / std::max(largest, 1e-30)};
   if (!model->config().predicts_radiance()) return check;
   const auto some = [](const at::Tensor& of) { return of.slice(0, 0, kAskedForRadiance); };
-  const nn::QuerySet asked{some(surface.position), some(surface.normal), some(surface.albedo)};
-  const at::Tensor ways = directions_above(asked, kDirections);
-  const at::Tensor radiance = model->decode_radiance(native, asked, ways);
+  const nn::QuerySet points_seen{some(surface.position), some(surface.normal),
+                                 some(surface.albedo)};
+  const at::Tensor ways = directions_above(points_seen, kDirections);
+  const at::Tensor radiance = model->decode_radiance(native, points_seen, ways);
   const at::Tensor answer = module.get_method("radiance")({embedding, some(rows), ways}).toTensor();
   check.radiance_error = (answer - radiance).abs().mean().item<double>() /
                          std::max(radiance.abs().mean().item<double>(), 1e-30);

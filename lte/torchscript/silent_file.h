@@ -1,4 +1,4 @@
-// A file for writers that must not be told of a failure half-way.
+// A file for writers that must not see a failure half-way.
 #pragma once
 
 #include <cerrno>

@@ -207,10 +207,10 @@ TEST(ParetoFront, KeepsWhatNoOtherBeats) {
 }
 
 TEST(ParetoScore, KnowsTheErrorsOfPlainPictures) {
-  image::Image grey(16, 12, 3), bright(16, 12, 3);
-  for (float& value : grey.pixels) value = 0.5F;
+  image::Image gray(16, 12, 3), bright(16, 12, 3);
+  for (float& value : gray.pixels) value = 0.5F;
   for (float& value : bright.pixels) value = 0.75F;
-  const PictureScore same = score_picture(grey, grey), off = score_picture(bright, grey);
+  const PictureScore same = score_picture(gray, gray), off = score_picture(bright, gray);
   EXPECT_EQ(same.mse, 0);
   EXPECT_EQ(same.relmse, 0);
   EXPECT_NEAR(same.flip, 0, 1e-6);
@@ -218,7 +218,7 @@ TEST(ParetoScore, KnowsTheErrorsOfPlainPictures) {
   EXPECT_NEAR(off.mse, 0.0625, 1e-6);
   EXPECT_NEAR(off.relmse, 0.25 / 1.01, 1e-5);  // the mean becomes 1
   EXPECT_GT(off.flip, 0.01);
-  EXPECT_TRUE(std::isnan(score_picture({}, grey).mse));
+  EXPECT_TRUE(std::isnan(score_picture({}, gray).mse));
 }
 
 TEST(ParetoViews, AreTheCamerasGivenOrOneThatTurnsInItsPlace) {

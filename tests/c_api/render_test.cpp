@@ -194,9 +194,9 @@ TEST(CRender, ProgressGrowsAndMayEndAPicture) {
 /// Two parallel plates, the upper one a lamp, and points on the lower one.
 TEST(CRender, DirectLightIsThatOfTheClosedForm) {
   scene::Scene plates;
-  const int grey = test::add_material(&plates, {0.5f, 0.5f, 0.5f});
+  const int gray = test::add_material(&plates, {0.5f, 0.5f, 0.5f});
   const int lamp = test::add_material(&plates, {}, {3, 2, 1});
-  test::add_quad(&plates, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, grey);
+  test::add_quad(&plates, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, gray);
   test::add_quad(&plates, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, lamp);
   const test::TempDir folder;
   scene::write_glb(folder / "plates.glb", plates);

@@ -19,7 +19,7 @@ TEST(SumGroups, FrontIsWhatBothSidesHaveBeyondTheBack) {
   const std::vector<Rgb> direct(4, {1, 1, 1}), indirect{{3, 3, 3}, {8, 8, 8}, {5, 5, 5}, {0, 0, 0}},
       back{{3, 3, 3}, {2, 2, 2}, {1, 1, 1}, {0, 0, 0}};
   const std::vector<float> error{0.9f, 0.5f, 0.5f, 0}, error_back{0.5f, 1, 0, 0};
-  const PointLight sum = sum_groups({direct, indirect, {}, back, error, error_back}, 2);
+  const PointIrradiance sum = sum_groups({direct, indirect, {}, back, error, error_back}, 2);
   EXPECT_EQ(sum.direct, std::vector<Rgb>(2, {2, 2, 2}));
   EXPECT_EQ(sum.indirect, (std::vector<Rgb>{{8, 8, 8}, {8, 8, 8}}));
   EXPECT_TRUE(sum.direct_back.empty());

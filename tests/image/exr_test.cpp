@@ -118,10 +118,10 @@ TEST(Exr, ReadsPicturesTallerThanAStrip) {
 
 TEST(Exr, OneChannelWithoutNameIsLuminance) {
   const TempDir dir;
-  const Image grey = random_image(3, 2, 1, 1);
-  write_exr(dir / "a.exr", {{"", &grey}});
+  const Image gray = random_image(3, 2, 1, 1);
+  write_exr(dir / "a.exr", {{"", &gray}});
   EXPECT_THAT(channels_of(dir / "a.exr"), testing::ElementsAre("Y"));
-  EXPECT_EQ(read_exr(dir / "a.exr").pixels, grey.pixels);
+  EXPECT_EQ(read_exr(dir / "a.exr").pixels, gray.pixels);
 }
 
 TEST(Exr, RowZeroIsTheTop) {

@@ -50,10 +50,10 @@ TEST_F(PictureFile, PfmOfBothByteOrdersRunsFromTheBottomUp) {
     EXPECT_FALSE(picture.coded);
     EXPECT_EQ(picture.image.rgb(0, 0), (Rgb{4, 5, 6}));
     EXPECT_EQ(picture.image.rgb(0, 1), (Rgb{1, 2, 3}));
-    const Picture grey =
+    const Picture gray =
         read("g.pfm", std::string("Pf\n2 1\n") + (big ? "1\n" : "-1\n") + floats({0.5f, -7}, big));
-    EXPECT_EQ(grey.image.channels, 1);
-    EXPECT_EQ(grey.image.pixels[1], -7);
+    EXPECT_EQ(gray.image.channels, 1);
+    EXPECT_EQ(gray.image.pixels[1], -7);
   }
 }
 

@@ -11,7 +11,7 @@
 namespace lte::image {
 namespace {
 
-Image grey(float value) {
+Image gray(float value) {
   Image out(1, 1, 3);
   out.set_rgb(0, 0, {value, value, value});
   return out;
@@ -26,10 +26,10 @@ int srgb_byte(double x) {
 
 TEST(ToneCurve, LinearIsExposureAndSrgb) {
   for (double value = 1e-4; value < 3; value *= 1.07) {
-    const int shown = display(grey(static_cast<float>(value)), 0.5f, ToneCurve::Linear).bytes[0];
+    const int shown = display(gray(static_cast<float>(value)), 0.5f, ToneCurve::Linear).bytes[0];
     EXPECT_NEAR(shown, srgb_byte(0.5 * value), 1) << value;
   }
-  EXPECT_EQ(display(grey(-1), 1, ToneCurve::Linear).bytes[0], 0);
+  EXPECT_EQ(display(gray(-1), 1, ToneCurve::Linear).bytes[0], 0);
 }
 
 TEST(ToneCurve, ReinhardKeepsHueAndRollsOff) {
@@ -56,13 +56,13 @@ TEST(ToneCurve, EveryCurveRisesFromBlackToWhite) {
 
 TEST(ToneCurve, WhatIsNotFiniteIsSeen) {
   const DisplayPicture shown =
-      display(grey(std::numeric_limits<float>::quiet_NaN()), 1, ToneCurve::Filmic);
+      display(gray(std::numeric_limits<float>::quiet_NaN()), 1, ToneCurve::Filmic);
   EXPECT_EQ(shown.bytes, (std::vector<uint8_t>{255, 0, 255}));
 }
 
 TEST(ToneCurve, WhatOverflowsIsWhite) {
   for (const ToneCurve curve : {ToneCurve::Linear, ToneCurve::Reinhard, ToneCurve::Filmic})
-    EXPECT_EQ(display(grey(1e30f), 1e30f, curve).bytes, (std::vector<uint8_t>{255, 255, 255}));
+    EXPECT_EQ(display(gray(1e30f), 1e30f, curve).bytes, (std::vector<uint8_t>{255, 255, 255}));
 }
 
 }  // namespace

@@ -144,9 +144,9 @@ TEST(Display, IsToneMappingRounded) {
 TEST(Tonemap, OneChannelGivesGrey) {
   Image picture(1, 1, 1);
   picture.pixels = {0.5f};
-  const Rgb grey = tonemap(picture, 1).rgb(0, 0);
-  EXPECT_EQ(grey, (Rgb{grey.x, grey.x, grey.x}));
-  EXPECT_NEAR(grey.x, 0.735357, 1e-6);
+  const Rgb gray = tonemap(picture, 1).rgb(0, 0);
+  EXPECT_EQ(gray, (Rgb{gray.x, gray.x, gray.x}));
+  EXPECT_NEAR(gray.x, 0.735357, 1e-6);
   EXPECT_THAT(error_of([] { tonemap(Image(1, 1, 2), 1); }), HasSubstr("got 2"));
   EXPECT_THROW(auto_exposure(Image(1, 1, 2)), Error);
 }

@@ -67,9 +67,9 @@ std::vector<Vec3> lit_floor_light() {
 scene::Scene lit_floor() {
   scene::Scene scene;
   scene.name = "lit_floor";
-  const int grey = add_material(&scene, {0.5f, 0.5f, 0.5f});
+  const int gray = add_material(&scene, {0.5f, 0.5f, 0.5f});
   const int light = add_material(&scene, {0, 0, 0}, kLitFloorRadiance);
-  add_quad(&scene, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, grey);         // front: z × x = +y
+  add_quad(&scene, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, gray);         // front: z × x = +y
   add_quad(&scene, {-0.5f, 2, -0.5f}, {1, 0, 0}, {0, 0, 1}, light);  // front: x × z = −y
   return scene;
 }

@@ -39,7 +39,7 @@ struct Prior {
       return double{t.const_data_ptr<float>()[row * t.size(1) + c]};
     };
     const int64_t K = index.size(1);
-    std::vector<double> d2, height, facing, grey, weight, error, out(kPriorMeans + 1, 0);
+    std::vector<double> d2, height, facing, gray, weight, error, out(kPriorMeans + 1, 0);
     std::vector<int64_t> side;
     for (int64_t k = 0; k < K; ++k) {
       const int64_t j = index.const_data_ptr<int64_t>()[q * K + k];
@@ -57,8 +57,8 @@ struct Prior {
       height.push_back(above);
       facing.push_back(std::max(0.0, cosine));
       const int64_t c = 6 * side.back();
-      grey.push_back((value(light, j, c) + value(light, j, c + 1) + value(light, j, c + 2)) / 3);
-      error.push_back(errors.defined() ? value(errors, j, side.back()) * grey.back() : 0);
+      gray.push_back((value(light, j, c) + value(light, j, c + 1) + value(light, j, c + 2)) / 3);
+      error.push_back(errors.defined() ? value(errors, j, side.back()) * gray.back() : 0);
       out[Column::kDistance2] += square / static_cast<double>(K);
     }
     const double scale = std::max(out[Column::kDistance2], 1e-16);
@@ -77,13 +77,13 @@ struct Prior {
       }
       out[Column::kFacing] += facing[k] / static_cast<double>(K);
       out[Column::kHeight] += height[k] / std::sqrt(scale) / static_cast<double>(K);
-      out[Column::kGrey] += grey[k] / static_cast<double>(K);
+      out[Column::kGray] += gray[k] / static_cast<double>(K);
     }
     const double total = out[Column::kWeight];
     for (size_t c = 0; c < 6; ++c) out[c] /= total;
     const double mean = (out[0] + out[1] + out[2]) / 3;
     for (size_t k = 0; k < d2.size(); ++k) {
-      out[Column::kVariance] += weight[k] * (grey[k] - mean) * (grey[k] - mean) / total;
+      out[Column::kVariance] += weight[k] * (gray[k] - mean) * (gray[k] - mean) / total;
       out[Column::kNoise] += weight[k] * error[k] * weight[k] * error[k] / (total * total);
     }
     return out;

@@ -285,6 +285,26 @@ TEST(Transport, AgreesWithANaivePathTracer) {
   }
 }
 
+TEST(Transport, LightWithoutGroupsIsTheSumOfThem) {
+  const scene::Scene scene = test::furnished_room();
+  const std::vector<Vec3> positions{{2, 0, 1}, {0, 1.2f, 2}}, normals{{0, 1, 0}, {1, 0, 0}};
+  IrradianceOptions options = with(256);
+  const Irradiance apart = at(scene, positions, normals, options);
+  options.by_group = false;
+  const Irradiance sum = at(scene, positions, normals, options);
+  ASSERT_GT(apart.groups, 1);
+  ASSERT_EQ(sum.groups, 1);
+  ASSERT_EQ(sum.direct.size(), positions.size());
+  for (int64_t i = 0; i < 2; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(sum.direct_sum(i)[c], apart.direct_sum(i)[c], 1e-5f * apart.direct_sum(i)[c]);
+      EXPECT_NEAR(sum.indirect_sum(i)[c], apart.indirect_sum(i)[c],
+                  1e-5f * apart.indirect_sum(i)[c]);
+    }
+  }
+  EXPECT_EQ(sum.variance, apart.variance);
+}
+
 /// Of light that starts in a closed room all is absorbed: ∫ E (1 − ρ) dA = π L A.
 TEST(Transport, ConservesEnergy) {
   const float albedo[] = {0.2f, 0.7f, 0.5f, 0.3f, 0.6f, 0.4f};

@@ -159,10 +159,10 @@ TEST(LightEstimates, TellHowFarTheyAreOff) {
           estimate_light(bvh, lights, place, normal, std::vector<Rgb>(1), {32, 5, run});
       for (size_t g = 0; g < G; ++g) {
         const Rgb front = light.indirect[g] - light.indirect_back[g];
-        const double grey = (front.x + front.y + front.z) / 3, error = light.error[g] * grey;
+        const double gray = (front.x + front.y + front.z) / 3, error = light.error[g] * gray;
         ASSERT_LE(light.error[g], 1);
-        sum[g] += grey;
-        squares[g] += grey * grey;
+        sum[g] += gray;
+        squares[g] += gray * gray;
         told[g] += error * error;
       }
     }

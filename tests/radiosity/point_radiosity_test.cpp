@@ -59,7 +59,7 @@ TEST(PointRadiosity, AnIntegratingSphereHasItsClosedForm) {
   constexpr int kCount = 6000, kLuminaires = 60;
   constexpr float kAlbedo = 0.5f;
   const Set set = integrating_sphere(kCount, kAlbedo, kLuminaires);
-  const PointLight light = solve(set.points(), 2, {.senders = 1200, .bounces = 4});
+  const PointIrradiance light = solve(set.points(), 2, {.senders = 1200, .bounces = 4});
   const double share = static_cast<double>(kLuminaires) / kCount;
   const double direct = M_PI * 2 * share / 2;  // of each group in green
   double indirect = 0, power = 1;
@@ -85,7 +85,7 @@ TEST(PointRadiosity, FewSendersFindASpotOfLight) {
   constexpr float kAlbedo = 0.5f;
   Set set = integrating_sphere(kCount, kAlbedo, 0);
   set.add({0, 0.9f, 0}, {0, 1, 0}, 0, {100, 100, 100}, 1e-3f, 0);
-  const PointLight light = solve(set.points(), 1, {.senders = 64, .bounces = 1});
+  const PointIrradiance light = solve(set.points(), 1, {.senders = 64, .bounces = 1});
   const double flux = mean_green(light.direct, 0, kCount) * 4 * M_PI;
   EXPECT_NEAR(flux, 0.1 * M_PI, 0.2 * 0.1 * M_PI) << "emission · area · π";
   const double expected = kAlbedo * flux / (4 * M_PI);
@@ -94,11 +94,11 @@ TEST(PointRadiosity, FewSendersFindASpotOfLight) {
 
 TEST(PointRadiosity, IsLinearInTheEmissionOfEachGroup) {
   Set set = integrating_sphere(600, 0.7f, 12);
-  const PointLight once = solve(set.points(), 2);
+  const PointIrradiance once = solve(set.points(), 2);
   for (size_t i = 0; i < set.emission.size(); ++i) {
     if (set.group[i] == 1) set.emission[i] *= 4;
   }
-  const PointLight gained = solve(set.points(), 2);
+  const PointIrradiance gained = solve(set.points(), 2);
   for (size_t i = 0; i < 600; ++i) {
     EXPECT_EQ(gained.indirect[i], once.indirect[i]);
     EXPECT_EQ(gained.indirect[600 + i], once.indirect[600 + i] * 4);
@@ -133,7 +133,7 @@ Set lamp_over_board(bool board) {
 
 TEST(PointRadiosity, DirectLightOfASmallLampIsThatOfTheInverseSquare) {
   const Set set = lamp_over_board(false);
-  const PointLight light = solve(set.points(), 1);
+  const PointIrradiance light = solve(set.points(), 1);
   for (size_t i = 0; i < set.position.size() - 1; ++i) {
     const Vec3 d = set.position.back() - set.position[i];
     const float cosine = d.y / length(d);
@@ -156,7 +156,7 @@ TEST(PointRadiosity, PointsOfALampInOneCellEachLightAsTheyFace) {
       set.add(p, {0, 1, 0}, 0, {5, 5, 5}, kStep * kStep, 0);
     }
   }
-  const PointLight light = solve(set.points(), 1);
+  const PointIrradiance light = solve(set.points(), 1);
   for (size_t i = 0; i < 1600; ++i) {
     const Vec3 d = Vec3{0, kHeight, 0} - set.position[i];
     const float cosine = d.y / length(d);
@@ -170,7 +170,7 @@ TEST(PointRadiosity, PointsOfALampInOneCellEachLightAsTheyFace) {
 
 TEST(PointRadiosity, ABoardShadesTheFloorAndIsLitOnOneSide) {
   const Set set = lamp_over_board(true);
-  const PointLight light = solve(set.points(), 1);
+  const PointIrradiance light = solve(set.points(), 1);
   const auto at = [&](float x, float y, float z) {
     size_t best = 0;
     for (size_t i = 0; i < set.position.size(); ++i) {
@@ -189,9 +189,9 @@ TEST(PointRadiosity, ABoardShadesTheFloorAndIsLitOnOneSide) {
 TEST(PointRadiosity, AnswersAreTheSameForAnyNumberOfThreads) {
   const Set set = integrating_sphere(500, 0.7f, 10);
   set_num_threads(1);
-  const PointLight one = solve(set.points(), 2);
+  const PointIrradiance one = solve(set.points(), 2);
   set_num_threads(2);
-  const PointLight two = solve(set.points(), 2);
+  const PointIrradiance two = solve(set.points(), 2);
   set_num_threads(0);
   EXPECT_EQ(one.direct, two.direct);
   EXPECT_EQ(one.indirect, two.indirect);
@@ -203,7 +203,7 @@ TEST(PointRadiosity, PointsInOnePlaceWithoutAreaAreFinite) {
     const bool shines = i == 0;
     set.add({1, 1, 1}, {0, 1, 0}, 0.5f, shines ? Rgb{1, 1, 1} : Rgb{}, 0, shines ? 0 : -1);
   }
-  const PointLight light = solve(set.points(), 1);
+  const PointIrradiance light = solve(set.points(), 1);
   for (const Rgb& irradiance : light.indirect) EXPECT_TRUE(is_finite(irradiance));
   EXPECT_TRUE(solve({}, 0).direct.empty());
 }
@@ -234,7 +234,7 @@ TEST(PointRadiosity, ASheetThatShinesFromBothSidesLightsFloorAndCeilingAlike) {
   const size_t floor = set.position.size();
   set.add({0, -1, 0}, {0, 1, 0}, 0.5f, {}, 0.01f, -1);
   set.add({0, 1, 0}, {0, -1, 0}, 0.5f, {}, 0.01f, -1);
-  const PointLight light = solve(set.points(), 1);
+  const PointIrradiance light = solve(set.points(), 1);
   for (const size_t i : {floor, floor + 1}) {
     EXPECT_NEAR(light.direct[i].x, under_a_square(), 0.01 * under_a_square());
     EXPECT_NEAR(light.direct[i].z, 4 * under_a_square(), 0.04 * under_a_square());
@@ -246,13 +246,13 @@ TEST(PointRadiosity, LightThatNoPointStandsForIsReflectedToo) {
   // An integrating sphere whose luminaires are dark, given what they send.
   constexpr int kCount = 3000, kLuminaires = 30;
   const Set lit = integrating_sphere(kCount, 0.5f, kLuminaires);
-  const PointLight solved = solve(lit.points(), 2);
+  const PointIrradiance solved = solve(lit.points(), 2);
   Set dark = lit;
   dark.emission.assign(kCount, {});
   Points points = dark.points();
   points.direct = solved.direct;
   points.direct_back = solved.direct_back;
-  const PointLight given = solve(points, 2);
+  const PointIrradiance given = solve(points, 2);
   EXPECT_EQ(given.direct[kLuminaires + 7], solved.direct[kLuminaires + 7]);
   const double whole = mean_green(solved.indirect, kLuminaires, kCount - kLuminaires);
   EXPECT_NEAR(mean_green(given.indirect, kLuminaires, kCount - kLuminaires), whole, 0.02 * whole);
@@ -260,7 +260,7 @@ TEST(PointRadiosity, LightThatNoPointStandsForIsReflectedToo) {
   points = lit.points();
   points.direct = solved.direct;
   points.direct_back = solved.direct_back;
-  const PointLight both = solve(points, 2);
+  const PointIrradiance both = solve(points, 2);
   EXPECT_NEAR(mean_green(both.indirect, kLuminaires, kCount - kLuminaires), 2 * whole,
               0.02 * whole);
   points.direct = points.direct.first(10);

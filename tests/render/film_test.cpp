@@ -19,7 +19,7 @@ LightSums sums_of(int width, int height) {
   return out;
 }
 
-PixelRadiance grey(float direct, float indirect) {
+PixelRadiance gray(float direct, float indirect) {
   return {{}, {direct, direct, direct}, {indirect, indirect, indirect}};
 }
 
@@ -28,8 +28,8 @@ TEST(LightEstimate, TheMeanIsThatOfAllSamplesAndHalvesKeepTheirOwn) {
   EXPECT_TRUE(light.empty());
   light.halves[0] = sums_of(2, 1);
   light.halves[1] = sums_of(2, 1);
-  light.halves[0].add(0, grey(4, 1), 2);
-  light.halves[1].add(0, grey(8, 2), 1);
+  light.halves[0].add(0, gray(4, 1), 2);
+  light.halves[1].add(0, gray(8, 2), 1);
   EXPECT_EQ(light.mean().direct.rgb(0), (Rgb{4, 4, 4}));
   EXPECT_EQ(light.mean().indirect.rgb(0), (Rgb{1, 1, 1}));
   EXPECT_EQ(light.mean_of(0).direct.rgb(0), (Rgb{2, 2, 2}));
@@ -42,7 +42,7 @@ TEST(LightEstimate, TheMeanIsThatOfAllSamplesAndHalvesKeepTheirOwn) {
 TEST(LightEstimate, APixelThatOneHalfLacksTakesTheOthers) {
   LightEstimate light;
   light.halves[0] = sums_of(1, 1);
-  light.halves[0].add(0, grey(6, 0), 3);
+  light.halves[0].add(0, gray(6, 0), 3);
   EXPECT_EQ(light.mean_of(1).direct.rgb(0), (Rgb{2, 2, 2}));
   EXPECT_TRUE(std::isinf(light.relative_error()));
 }
@@ -54,7 +54,7 @@ TEST(LightEstimate, TheHalvesTellTheStandardErrorOfTheMean) {
   for (LightSums& half : light.halves) {
     half = sums_of(kSide, kSide);
     for (size_t i = 0; i < half.samples.size(); ++i) {
-      for (int k = 0; k < kSamples; ++k) half.add(i, grey(rng.uniform(0, 2), 0), 1);
+      for (int k = 0; k < kSamples; ++k) half.add(i, gray(rng.uniform(0, 2), 0), 1);
     }
   }
   // Uniform on [0, 2]: mean 1, variance 1/3, of 16 samples a pixel.

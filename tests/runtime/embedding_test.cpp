@@ -91,9 +91,9 @@ TEST(SceneEmbedding, SolvesTheLightOfModelsThatReadRadiosity) {
   nn::ModelConfig config = test::tiny_config();
   config.light_input = nn::LightInput::Radiosity;
   const Network network = tiny_network(config);
-  const nn::PointSet points = test::box_scene(300, 1);
+  const nn::PointSet points = nn::in_canonical_order(test::box_scene(300, 1));
   const ScenePoints scene = arrays(points);
-  const radiosity::PointLight light =
+  const radiosity::PointIrradiance light =
       radiosity::solve({scene.position, scene.normal, scene.albedo, scene.emission, scene.area}, 1);
   std::vector<Rgb> indirect = light.indirect;
   ASSERT_GT(tensor(indirect).sum().item<double>(), 0);
@@ -115,8 +115,8 @@ TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
   const nn::PointSet points = test::box_scene(300, 1);
   const nn::QuerySet queries = test::box_queries(500, 2);
   const at::NoGradGuard no_grad;
-  const at::Tensor expected =
-      TorchParts::model(network)->decode(TorchParts::model(network)->encode(points), queries);
+  const at::Tensor expected = TorchParts::model(network)->decode(
+      TorchParts::model(network)->encode(nn::in_canonical_order(points)), queries);
   const SceneEmbedding embedding(network, arrays(points));
   EXPECT_TRUE(at::equal(tensor(embedding.decode(arrays(queries))), expected));
   const SceneEmbedding same = TorchParts::encode(network, points);
@@ -126,6 +126,38 @@ TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
   EXPECT_EQ(embedding.info().scale, network.config().scale);
   EXPECT_DOUBLE_EQ(embedding.mean_emission(), nn::mean_emission(points));
   EXPECT_DOUBLE_EQ(mean_emission(arrays(points)), nn::mean_emission(points));
+}
+
+TEST(SceneEmbedding, DoesNotDependOnTheOrderOfThePoints) {
+  for (const nn::LightInput light : {nn::LightInput::Emission, nn::LightInput::Radiosity}) {
+    nn::ModelConfig config = test::tiny_config();
+    config.light_input = light;
+    const Network network = tiny_network(config);
+    nn::PointSet points = test::box_scene(300, 1);
+    points.position[7] = points.position[4];  // two sides of a sheet, say
+    points.normal[7] = -points.normal[4];
+    const nn::QuerySet queries = test::box_queries(50, 2);
+    const at::Tensor expected =
+        TorchParts::decode(TorchParts::encode(network, points), queries, {});
+    for (const int seed : {1, 2, 3}) {
+      at::manual_seed(static_cast<uint64_t>(seed));
+      const at::Tensor order = at::randperm(300);
+      nn::PointSet shuffled = points;
+      for (at::Tensor* t : shuffled.tensors())
+        if (t->defined()) *t = t->index_select(0, order);
+      ASSERT_FALSE(at::equal(shuffled.position, points.position));
+      EXPECT_TRUE(at::equal(TorchParts::decode(TorchParts::encode(network, shuffled), queries, {}),
+                            expected));
+    }
+  }
+}
+
+TEST(SceneEmbedding, NamesABadRowAsTheCallerHasIt) {
+  const Network network = tiny_network();
+  nn::PointSet points = test::box_scene(300, 1);
+  points.normal[241][1] = NAN;
+  EXPECT_THAT(message_of([&] { SceneEmbedding(network, arrays(points)); }),
+              HasSubstr("normal of row 241 is not finite"));
 }
 
 TEST(SceneEmbedding, DoesNotDependOnTheBlock) {
@@ -225,13 +257,14 @@ TEST(SceneEmbedding, ASceneTooLargeIsRefusedOrShrunk) {
     EXPECT_STREQ(refusal.what(),
                  "the scene spans 40 m, the model knows scenes up to 16 m: set rescale to shrink "
                  "it for the network");
-    EXPECT_THAT(refusal.remedies(), testing::ElementsAre(Remedy::Rescale));
+    EXPECT_THAT(refusal.hints(), testing::ElementsAre(Hint::Rescale));
   }
   const SceneEmbedding shrunk(network, arrays(points), {.rescale = true});
   const double scale = shrunk.info().scale;
   EXPECT_NEAR(scale, 40, 1e-3);
   const at::NoGradGuard no_grad;
-  const nn::Embedding expected = TorchParts::model(network)->encode(points, 0, {{}, scale});
+  const nn::Embedding expected =
+      TorchParts::model(network)->encode(nn::in_canonical_order(points), 0, {{}, scale});
   EXPECT_TRUE(at::equal(tensor(shrunk.decode(arrays(queries))),
                         TorchParts::model(network)->decode(expected, queries)));
   EXPECT_NO_THROW(network.check_fits(40, true));

@@ -18,14 +18,14 @@ using testing::HasSubstr;
 /// What `body` refuses, and what it says would help.
 struct Said {
   std::string message;
-  std::vector<Remedy> remedies;
+  std::vector<Hint> hints;
 };
 
 Said said_of(const std::function<void()>& body) {
   try {
     body();
-  } catch (const Refusal& refusal) {
-    return {refusal.what(), refusal.remedies()};
+  } catch (const LimitError& refusal) {
+    return {refusal.what(), refusal.hints()};
   } catch (const Error& error) {
     return {error.what(), {}};
   }
@@ -48,7 +48,7 @@ TEST(MemoryLimit, CutsQueriesToWhatFits) {
   const Said said = said_of([&] { MemoryLimit(1).query_block(config, 1'000'000, kQueryBlock); });
   EXPECT_THAT(said.message, AllOf(HasSubstr("memory limit of 1 MiB"), HasSubstr("1000000 queries"),
                                   HasSubstr("raise the limit")));
-  EXPECT_THAT(said.remedies, ElementsAre(Remedy::FewerQueries, Remedy::MemoryLimit));
+  EXPECT_THAT(said.hints, ElementsAre(Hint::FewerQueries, Hint::MemoryLimit));
 }
 
 TEST(MemoryLimit, NamesTheNeedOfAnEncodingThatCannotFitAndHowManyPointsWould) {
@@ -58,7 +58,7 @@ TEST(MemoryLimit, NamesTheNeedOfAnEncodingThatCannotFitAndHowManyPointsWould) {
   const Said said = said_of([&] { limit.check_encoding(config, 10'000'000); });
   EXPECT_THAT(said.message, AllOf(HasSubstr("10000000 scene points"),
                                   HasSubstr(memory_text(encode_mb(config, 10'000'000)))));
-  EXPECT_THAT(said.remedies, ElementsAre(Remedy::FewerScenePoints, Remedy::MemoryLimit));
+  EXPECT_THAT(said.hints, ElementsAre(Hint::FewerScenePoints, Hint::MemoryLimit));
   int64_t fit = 0;
   const char* at = said.message.c_str() + said.message.find("take ");
   ASSERT_EQ(std::sscanf(at, "take %ld", &fit), 1) << said.message;
@@ -70,7 +70,7 @@ TEST(OutOfMemory, IsSaidInOneLineWithTheNeed) {
   const auto explained = [](const std::function<void()>& body) {
     return said_of([&] {
       explain_out_of_memory(
-          {"encoding 7 scene points", 210, "take fewer", {Remedy::FewerScenePoints}}, body);
+          {"encoding 7 scene points", 210, "take fewer", {Hint::FewerScenePoints}}, body);
     });
   };
   const auto words =
@@ -78,8 +78,7 @@ TEST(OutOfMemory, IsSaidInOneLineWithTheNeed) {
             HasSubstr("take fewer"), testing::Not(HasSubstr("\n")));
   EXPECT_THAT(explained([] { at::empty({int64_t{1} << 45}); }).message, words);
   EXPECT_THAT(explained([] { throw std::bad_alloc(); }).message, words);
-  EXPECT_THAT(explained([] { throw std::bad_alloc(); }).remedies,
-              ElementsAre(Remedy::FewerScenePoints));
+  EXPECT_THAT(explained([] { throw std::bad_alloc(); }).hints, ElementsAre(Hint::FewerScenePoints));
   EXPECT_EQ(explained([] { throw Error("something else"); }).message, "something else");
   EXPECT_EQ(explain_out_of_memory({}, [] { return 3; }), 3);
 }

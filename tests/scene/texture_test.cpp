@@ -15,7 +15,7 @@ constexpr auto kRepeat = Wrap::Repeat;
 constexpr auto kMirror = Wrap::MirroredRepeat;
 constexpr auto kClamp = Wrap::ClampToEdge;
 
-/// A row of grey texels.
+/// A row of gray texels.
 Texture row(const std::vector<uint8_t>& codes, bool srgb = false) {
   std::vector<uint8_t> texels;
   for (const uint8_t code : codes) texels.insert(texels.end(), 3, code);

@@ -9,10 +9,10 @@ namespace lte::test {
 /// front is outside, and in it two closed cells of a room's height and a person's width.
 inline scene::Scene machine() {
   scene::Scene scene;
-  const int grey = add_material(&scene, {0.5f, 0.5f, 0.5f});
-  add_instance(&scene, box_mesh({0, 0, 0}, {743, 273, 268}, grey, false));
+  const int gray = add_material(&scene, {0.5f, 0.5f, 0.5f});
+  add_instance(&scene, box_mesh({0, 0, 0}, {743, 273, 268}, gray, false));
   for (const float x : {100.0f, 300.0f})
-    add_instance(&scene, box_mesh({x, 40, 60}, {x + 110, 210, 170}, grey, true));
+    add_instance(&scene, box_mesh({x, 40, 60}, {x + 110, 210, 170}, gray, true));
   return scene;
 }
 

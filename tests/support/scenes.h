@@ -177,9 +177,9 @@ inline scene::Scene furnished_room() {
 inline scene::Scene hall_of_lamps() {
   scene::Scene scene;
   scene.name = "hall";
-  const int grey = add_material(&scene, {0.5f, 0.5f, 0.5f});
+  const int gray = add_material(&scene, {0.5f, 0.5f, 0.5f});
   const int lamp = add_material(&scene, {0, 0, 0}, {50, 40, 30});
-  add_instance(&scene, box_mesh({0, 0, 0}, {20, 3, 20}, grey, true));
+  add_instance(&scene, box_mesh({0, 0, 0}, {20, 3, 20}, gray, true));
   scene::Mesh lamps;
   lamps.material = lamp;
   for (int i = 0; i < 100; ++i) {

@@ -40,7 +40,7 @@ void take_incident(const std::filesystem::path& path, data::SceneSample* sample,
 /// Puts light that is solved on the points into the place of the sample's estimates.
 void solve_light(const TrainingScene& scene, const std::filesystem::path& solved,
                  data::SceneSample* sample) {
-  radiosity::PointLight light = solved_light(
+  radiosity::PointIrradiance light = solved_light(
       solved, scene.name,
       {scene.position, scene.normal, scene.albedo, scene.emission, scene.area, scene.light},
       sample->light_groups);

@@ -13,7 +13,7 @@
 namespace lte::train {
 namespace {
 
-using radiosity::PointLight;
+using radiosity::PointIrradiance;
 
 constexpr const char* kFingerprintKey = "fingerprint";
 
@@ -41,10 +41,10 @@ std::string fingerprint_of(const radiosity::Points& points, int64_t groups) {
 }
 
 /// @throws lte::Error if the file is missing, damaged or of other shapes
-PointLight read_light(const std::filesystem::path& path, int64_t groups, int64_t points) {
+PointIrradiance read_light(const std::filesystem::path& path, int64_t groups, int64_t points) {
   const SafetensorsFile file(path);
   file.verify();
-  PointLight light;
+  PointIrradiance light;
   for_each_part(light, [&](const char* part, std::vector<Rgb>& values) {
     const auto* kept =
         reinterpret_cast<const Rgb*>(file.values<float>(part, {groups, points, 3}).data());
@@ -54,9 +54,9 @@ PointLight read_light(const std::filesystem::path& path, int64_t groups, int64_t
 }
 
 /// Null if there is none, or one of another fingerprint.
-std::optional<PointLight> kept_light(const std::filesystem::path& path,
-                                     const std::string& fingerprint, int64_t groups,
-                                     int64_t points) {
+std::optional<PointIrradiance> kept_light(const std::filesystem::path& path,
+                                          const std::string& fingerprint, int64_t groups,
+                                          int64_t points) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return std::nullopt;
   try {
@@ -69,7 +69,7 @@ std::optional<PointLight> kept_light(const std::filesystem::path& path,
 }
 
 void keep_light(const std::filesystem::path& path, const std::string& fingerprint, int64_t groups,
-                int64_t points, const PointLight& light) {
+                int64_t points, const PointIrradiance& light) {
   SafetensorsWriter writer;
   for_each_part(light, [&](const char* part, const std::vector<Rgb>& values) {
     writer.add(part, {groups, points, 3}, reinterpret_cast<const float*>(values.data()));
@@ -85,15 +85,15 @@ void keep_light(const std::filesystem::path& path, const std::string& fingerprin
 
 }  // namespace
 
-PointLight solved_light(const std::filesystem::path& folder, const std::string& name,
-                        const radiosity::Points& points, int64_t groups) {
+PointIrradiance solved_light(const std::filesystem::path& folder, const std::string& name,
+                             const radiosity::Points& points, int64_t groups) {
   if (folder.empty()) return radiosity::solve(points, groups);
   const std::filesystem::path path = folder / (name + ".safetensors");
   const std::string fingerprint = fingerprint_of(points, groups);
   const auto count = static_cast<int64_t>(points.position.size());
-  if (std::optional<PointLight> kept = kept_light(path, fingerprint, groups, count))
+  if (std::optional<PointIrradiance> kept = kept_light(path, fingerprint, groups, count))
     return *std::move(kept);
-  PointLight light = radiosity::solve(points, groups);
+  PointIrradiance light = radiosity::solve(points, groups);
   keep_light(path, fingerprint, groups, count, light);
   return light;
 }

@@ -17,7 +17,8 @@ namespace lte::train {
 /// @param folder  made if missing; empty: nothing is kept
 /// @param name    of the scene in its data set
 /// @throws lte::Error as radiosity::solve()
-radiosity::PointLight solved_light(const std::filesystem::path& folder, const std::string& name,
-                                   const radiosity::Points& points, int64_t groups);
+radiosity::PointIrradiance solved_light(const std::filesystem::path& folder,
+                                        const std::string& name, const radiosity::Points& points,
+                                        int64_t groups);
 
 }  // namespace lte::train

@@ -157,10 +157,10 @@ Piece monitor(Kit* kit) {
 
 Piece laptop(Kit* kit) {
   Piece p;
-  const int grey = kit->palette->chrome();
-  kit->block(&p, {-0.16f, 0, -0.11f}, {0.16f, 0.014f, 0.11f}, grey, 0.005f);
+  const int gray = kit->palette->chrome();
+  kit->block(&p, {-0.16f, 0, -0.11f}, {0.16f, 0.014f, 0.11f}, gray, 0.005f);
   const Affine lid = translation({0, 0.012f, -0.105f}) * rotation(0, -15);
-  kit->block(&p, {-0.16f, 0, -0.004f}, {0.16f, 0.215f, 0.004f}, grey, 0.003f, lid);
+  kit->block(&p, {-0.16f, 0, -0.004f}, {0.16f, 0.215f, 0.004f}, gray, 0.003f, lid);
   Mesh screen;
   append(&screen, panel({-0.15f, 0.01f, 0.0045f}, {0.3f, 0, 0}, {0, 0.195f, 0}), lid);
   p.add(screen, kit->palette->screen());

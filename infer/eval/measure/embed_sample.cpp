@@ -12,7 +12,7 @@ namespace lte::infer {
 namespace {
 
 /// What the network reads of the light on the sample's scene points.
-data::PointLight light_of(const data::SceneSample& sample, const runtime::Network& network) {
+data::PointIrradiance light_of(const data::SceneSample& sample, const runtime::Network& network) {
   if (network.light_request().depth == 0) return {};
   LTE_CHECK(!sample.scene_direct.empty(), sample.name,
             ": has no scene_direct, which the model reads; bake the data again");
@@ -45,7 +45,7 @@ void thin_for(const runtime::Network& network, int64_t count, data::SceneSample*
 runtime::SceneEmbedding embed_sample(const data::SceneSample& sample,
                                      const runtime::Network& network,
                                      const runtime::MemoryLimit& memory) {
-  const data::PointLight light = light_of(sample, network);
+  const data::PointIrradiance light = light_of(sample, network);
   const std::vector<float> gloss = gloss_of(sample);
   return runtime::SceneEmbedding(
       network,

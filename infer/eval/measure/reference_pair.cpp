@@ -128,7 +128,7 @@ Image traced_irradiance(const Renderer& renderer, const scene::Camera& camera,
   options.rays = settings.paths;
   options.max_depth = settings.max_depth;
   options.seed = seed;
-  options.variance = false;
+  options.variance = options.by_group = false;
   for (size_t first = 0; first < pixel.size(); first += kPointsAtOnce) {
     const size_t count = std::min(kPointsAtOnce, pixel.size() - first);
     const pathtrace::Irradiance found = pathtrace::estimate_irradiance(

@@ -120,10 +120,10 @@ std::vector<SceneMethod> scene_methods(const std::vector<std::string>& words,
     if (!known) out.push_back(std::move(method));
   };
   // Those of a model stand together, as they share its embedding of a scene.
-  bool asked = false;
+  bool has_network = false;
   for (const std::string& word : words) {
     if (!asks_model(word)) add(method_of(word, nullptr));
-    if (!asks_model(word) || std::exchange(asked, true)) continue;
+    if (!asks_model(word) || std::exchange(has_network, true)) continue;
     for (const SceneModel& model : models) {
       for (const std::string& other : words) {
         if (asks_model(other)) add(method_of(other, &model));

@@ -1,4 +1,4 @@
-// CUDA twin of convolution_pairs: a binary search of every cell, shifted by every tap, in the
+// convolution_pairs on CUDA: a binary search of every cell, shifted by every tap, in the
 // sorted cells. The host waits for the number of pairs of each tap alone.
 #include <algorithm>
 #include <tuple>

@@ -1,4 +1,4 @@
-// CUDA twin of curve_codes: one thread a cell.
+// curve_codes on CUDA: one thread a cell.
 #include <ATen/core/Tensor.h>
 #include <ATen/ops/empty.h>
 #include <c10/cuda/CUDAException.h>

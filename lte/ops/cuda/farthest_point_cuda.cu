@@ -1,4 +1,4 @@
-// CUDA twin of farthest_point_sampling: a persistent block for each set of points. Up to 32,768
+// farthest_point_sampling on CUDA: a persistent block for each set of points. Up to 32,768
 // points their distances stay in registers, up to 8,192 the points too.
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// CUDA twin of knn: exact, by brute force over tiles in shared memory. Up to 32 neighbours a warp
+// knn on CUDA: exact, by brute force over tiles in shared memory. Up to 32 neighbours a warp
 // has a query, and each of its lanes holds one of the nearest so far, in their order (Johnson et
 // al. 2017, "Billion-scale similarity search with GPUs", section 4.2); of more a thread has a
 // query.

@@ -1,4 +1,4 @@
-// CUDA twins of dense layers and their gradients: cuBLAS multiplies, of bfloat16 operands with sums
+// On CUDA: dense layers and their gradients: cuBLAS multiplies, of bfloat16 operands with sums
 // and results in float32.
 #include <optional>
 #include <vector>

@@ -1,4 +1,4 @@
-// CUDA twin of lobe_radiance_inference: a block of threads takes some directions from the lobes to
+// lobe_radiance_inference on CUDA: a block of threads takes some directions from the lobes to
 // the answer, and a thread one lobe, mixture or channel of a direction at a time. Lobes and
 // mixtures lie in shared memory.
 #include <algorithm>

@@ -1,4 +1,4 @@
-// CUDA twins of the neighbour sums: one thread a query and channel, so that a warp reads
+// On CUDA: the neighbour sums: one thread a query and channel, so that a warp reads
 // consecutive channels of a latent.
 #include <algorithm>
 #include <tuple>

@@ -1,4 +1,4 @@
-// CUDA twin of query_decoder_inference: one kernel from offsets to the sums over neighbours, then
+// query_decoder_inference on CUDA: one kernel from offsets to the sums over neighbours, then
 // the layers as matrix products over blocks of queries.
 //
 // The kernel gives a block of threads one query and each thread one channel. γ's hidden activations

@@ -1,4 +1,4 @@
-// CUDA twins of submanifold_conv and its gradients: the products of all pairs, of all taps in one
+// On CUDA: submanifold_conv and its gradients: the products of all pairs, of all taps in one
 // launch, and one kernel that adds up what falls on a row. Factors in bfloat16 are multiplied as
 // float32. In float64, and of very large kernels, rows are gathered, and each tap is a matrix
 // product of LibTorch's.

@@ -1,4 +1,4 @@
-// CUDA twin of see_surfels: a thread walks a ray.
+// see_surfels on CUDA: a thread walks a ray.
 #include <cstdint>
 
 #include <ATen/core/Tensor.h>

@@ -12,7 +12,7 @@ constexpr int64_t kGrain = 256;
 /// Rays by which a side is looked around, in a grid over the unit square.
 constexpr int kColumns = 4, kRows = 2;
 /// A side of which more rays than this meet a surface than of the other is more enclosed.
-constexpr int kAlike = 2;
+constexpr int kHitTolerance = 2;
 
 /// How many rays from one side of a point meet a surface that is not of a light group.
 int enclosure(const Bvh& bvh, const Vec3& position, const Vec3& side, float half_extent, Rng* rng,
@@ -54,7 +54,7 @@ void turn_to_light(const Bvh& bvh, std::span<const uint8_t> lit, uint64_t seed,
       const Vec3& position = samples->position[i];
       const int more = enclosure(bvh, position, normal, half_extent, &rng) -
                        enclosure(bvh, position, -normal, half_extent, &rng);
-      if (more < -kAlike || (more <= kAlike && chance)) normal = -normal;
+      if (more < -kHitTolerance || (more <= kHitTolerance && chance)) normal = -normal;
     }
   });
 }
@@ -69,9 +69,10 @@ std::vector<size_t> lit_from_outside(const Bvh& bvh, std::span<const uint8_t> li
       const Vec3 side = lit[i] == kFrontLit ? samples.normal[i] : -samples.normal[i];
       Rng rng(seed, i);
       const int here = enclosure(bvh, samples.position[i], side, half_extent, &rng);
-      if (here + kAlike >= kColumns * kRows) continue;
+      if (here + kHitTolerance >= kColumns * kRows) continue;
       outside[i] =
-          enclosure(bvh, samples.position[i], -side, half_extent, &rng) > here + kAlike ? 1 : 0;
+          enclosure(bvh, samples.position[i], -side, half_extent, &rng) > here + kHitTolerance ? 1
+                                                                                               : 0;
     }
   });
   std::vector<size_t> numbers;

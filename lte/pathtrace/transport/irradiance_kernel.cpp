@@ -53,19 +53,20 @@ void PointSums::start_point() {
   std::fill(direct_.begin(), direct_.end(), Sum{});
   std::fill(indirect_.begin(), indirect_.end(), Sum{});
   std::fill(batch_.begin(), batch_.end(), BatchSum{});
-  std::fill(grey_.begin(), grey_.end(), 0.0);
+  std::fill(gray_.begin(), gray_.end(), 0.0);
 }
 
 void PointSums::add(int depth, std::span<const Contribution> contributions) {
   std::vector<Sum>& groups = depth == 1 ? direct_ : indirect_;
   Sum BatchSum::*const part = depth == 1 ? &BatchSum::direct : &BatchSum::indirect;
   for (const Contribution& c : contributions) {
-    groups[static_cast<size_t>(c.light_group)].add(c.value);
+    const size_t group = groups.size() == 1 ? 0 : static_cast<size_t>(c.light_group);
+    groups[group].add(c.value);
     const int32_t batch = batch_of_path_[static_cast<size_t>(c.path)];
     (batch_[static_cast<size_t>(batch)].*part).add(c.value);
-    if (depth > 1 && !grey_.empty()) {
-      const auto row = static_cast<size_t>(c.light_group) * batch_.size();
-      grey_[row + static_cast<size_t>(batch)] += (c.value.x + c.value.y + c.value.z) / 3;
+    if (depth > 1 && !gray_.empty()) {
+      const size_t row = group * batch_.size();
+      gray_[row + static_cast<size_t>(batch)] += (c.value.x + c.value.y + c.value.z) / 3;
     }
   }
 }
@@ -100,10 +101,10 @@ void PointSums::store(int64_t i, Irradiance* out) const {
   }
   out->variance[i] = (indirect.x + indirect.y + indirect.z) / 3;
   out->variance_total[i] = total;
-  for (size_t g = 0; !grey_.empty() && g < direct_.size(); ++g) {
+  for (size_t g = 0; !gray_.empty() && g < direct_.size(); ++g) {
     double sum = 0, squares = 0;
     for (size_t batch = 0; batch < batch_.size(); ++batch) {
-      const double mean = kPi * grey_[g * batch_.size() + batch] / batches_.size;
+      const double mean = kPi * gray_[g * batch_.size() + batch] / batches_.size;
       sum += mean;
       squares += mean * mean;
     }

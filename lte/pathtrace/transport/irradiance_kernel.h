@@ -1,6 +1,7 @@
 // Internal: the irradiance estimator for any observer of its rays.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <memory>
@@ -34,13 +35,14 @@ void check_irradiance_options(const IrradianceOptions& options);
 /// Sums of one point: by group, and by batch for the variance.
 class PointSums : public LightSink {
  public:
+  /// @param groups    1: all light together, whatever group it is of
   /// @param by_group  batches are kept by group too
   PointSums(int groups, const Batches& batches, bool by_group)
       : batches_(batches),
         direct_(groups),
         indirect_(groups),
         batch_(batches.count),
-        grey_(by_group ? static_cast<size_t>(groups) * static_cast<size_t>(batches.count) : 0) {}
+        gray_(by_group ? static_cast<size_t>(groups) * static_cast<size_t>(batches.count) : 0) {}
 
   void start_point();
   /// Paths of the next block: of this batch, from the block's start on.
@@ -65,7 +67,7 @@ class PointSums : public LightSink {
   const Batches batches_;
   std::vector<Sum> direct_, indirect_;
   std::vector<BatchSum> batch_;
-  std::vector<double> grey_;  ///< [groups, batches] indirect light over the channels; may be empty
+  std::vector<double> gray_;  ///< [groups, batches] indirect light over the channels; may be empty
   int batch_of_path_size_ = 0;
   std::array<int32_t, kBlock> batch_of_path_;
 };
@@ -108,7 +110,7 @@ Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const 
   const Vec3 frame = bvh.handles().origin;
   const float half_extent = 0.5f * max_component(bvh.bounds().extent());
   Irradiance out;
-  out.groups = lights.groups();
+  out.groups = options.by_group ? lights.groups() : std::min(lights.groups(), 1);
   out.points = static_cast<int64_t>(positions.size());
   out.rays = int64_t{batches.count} * batches.size;
   out.direct.resize(static_cast<size_t>(out.groups * out.points));
@@ -118,11 +120,12 @@ Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const 
     out.variance_total.resize(positions.size());
   }
   if (lights.empty()) return out;
-  if (options.variance && options.group_variance) out.group_variance.resize(out.direct.size());
+  if (options.variance && options.by_group && options.group_variance)
+    out.group_variance.resize(out.direct.size());
   std::atomic<int64_t> rays_traced{0};
   constexpr int64_t kGrain = 4;  // a point is thousands of rays
   parallel_for(out.points, kGrain, [&](int64_t begin, int64_t end) {
-    PointSums sums(lights.groups(), batches, !out.group_variance.empty());
+    PointSums sums(static_cast<int>(out.groups), batches, !out.group_variance.empty());
     const auto sampler = std::make_unique<PathSampler>(options.sampling, batches.size);
     const auto transport = std::make_unique<BasicTransport<Observer>>(bvh, lights, max_depth,
                                                                       options.roulette_depth, sums);

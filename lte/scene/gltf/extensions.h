@@ -14,7 +14,7 @@ inline constexpr std::array<std::string_view, 7> kSupportedExtensions = {
     "KHR_texture_transform"};
 
 /// An extension that changes how a surface looks and not where it is: a file that requires it still
-/// loads, and what is lost is told.
+/// loads, and what is lost is named.
 struct Dropped {
   std::string_view extension;
   std::string_view what;

@@ -7,7 +7,7 @@
 
 #include "lte/base/check.h"
 #include "lte/scene/gltf/context.h"
-#include "lte/scene/import/refusal.h"
+#include "lte/scene/import/limit_error.h"
 #include "lte/scene/import/texture_file.h"
 
 namespace lte::scene::gltf {
@@ -82,7 +82,7 @@ std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context
     Bytes bytes;
     try {
       bytes = buffers->image(image);
-    } catch (const Refusal&) {
+    } catch (const LimitError&) {
       throw;
     } catch (const Error&) {
       if (!optional) throw;

@@ -6,8 +6,8 @@
 
 namespace lte::scene {
 
-/// What loading a scene may read and take. Above a cap it fails with a Refusal that names the cap,
-/// its value and what was needed.
+/// What loading a scene may read and take. Above a cap it fails with a LimitError that names the
+/// cap, its value and what was needed.
 struct LoadLimits {
   int64_t triangles = 400'000'000;
   int64_t texture_pixels = int64_t{1} << 28;  ///< of one picture

@@ -5,7 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/text.h"
-#include "lte/scene/import/refusal.h"
+#include "lte/scene/import/limit_error.h"
 
 namespace lte::scene {
 namespace {

@@ -158,7 +158,7 @@ SceneFiles::Found SceneFiles::look(const fs::path& path, SceneFilePtr* file) {
   const bool allowed = limits().outside;
   if (!looked) {
     const int reason = errno;
-    // Whether there is a file outside is not told either.
+    // Whether there is a file outside stays unsaid, too.
     std::error_code error;
     fs::path place = fs::absolute(path, error);
     if (!error) place = resolve_missing(place, error);

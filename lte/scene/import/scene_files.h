@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "lte/scene/import/limit_error.h"
 #include "lte/scene/import/load_budget.h"
-#include "lte/scene/import/refusal.h"
 
 namespace lte::scene {
 
@@ -103,7 +103,7 @@ template <typename Read>
 auto read_discreetly(const SceneFile& file, const char* kind, const Read& read) {
   try {
     return read();
-  } catch (const Refusal&) {
+  } catch (const LimitError&) {
     throw;
   } catch (const Error& error) {
     if (!file.outside()) throw;

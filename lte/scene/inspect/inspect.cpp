@@ -16,7 +16,7 @@ namespace {
 
 /// Height over longest edge below which a triangle has no normal in float.
 constexpr double kThin = 1e-7;
-constexpr int64_t kGrain = 65536;
+constexpr int64_t kThinGrain = 65536;
 
 const Material& material_of(const Scene& scene, const PlacedTriangle& t) {
   const Mesh& mesh =
@@ -66,7 +66,7 @@ class Inspection {
   /// shells, but count as degenerate only if they are thin.
   void find_degenerate() {
     std::vector<uint8_t> thin(topology_.triangles.size());
-    parallel_for(static_cast<int64_t>(thin.size()), kGrain, [&](int64_t begin, int64_t end) {
+    parallel_for(static_cast<int64_t>(thin.size()), kThinGrain, [&](int64_t begin, int64_t end) {
       for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
         thin[i] = is_degenerate(scene_, topology_.triangles[i]) ? 1 : 0;
     });

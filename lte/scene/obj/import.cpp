@@ -14,8 +14,6 @@
 namespace lte::scene::obj {
 namespace {
 
-constexpr float kGrey = 0.5f;
-
 /// Vertices of one mesh: a position with one texture coordinate each. OBJ numbers the two apart.
 class VertexTable {
  public:
@@ -98,17 +96,17 @@ MaterialLibrary read_libraries(const SceneFile& scene, const ObjFile& file, Scen
   return library;
 }
 
-/// The number of a part's material; grey under its own name where no library has it.
+/// The number of a part's material; gray under its own name where no library has it.
 int material_of(const Part& part, IgnoredFeatures* ignored, MaterialLibrary* library) {
   const std::string name = part.material.empty() ? "default" : part.material;
   const auto [found, is_new] =
       library->by_name.try_emplace(name, static_cast<int>(library->materials.size()));
   if (is_new) {
     if (!part.material.empty()) ignored->add("usemtl without a newmtl (it is grey)", "material");
-    Material grey;
-    grey.name = name;
-    grey.base_color = Rgb{1, 1, 1} * kGrey;
-    library->materials.push_back(std::move(grey));
+    Material gray;
+    gray.name = name;
+    gray.base_color = Rgb{1, 1, 1} * kDefaultGray;
+    library->materials.push_back(std::move(gray));
   }
   return found->second;
 }

@@ -13,7 +13,6 @@ namespace lte::scene::obj {
 namespace {
 
 constexpr size_t kMaxBytes = size_t{1} << 28;
-constexpr float kGrey = 0.5f;
 constexpr float kRoughness = 0.5f;  ///< of a metal without Pr
 
 /// What a statement says that our surfaces cannot show. Values of zero say nothing.
@@ -128,12 +127,12 @@ class MtlReader {
     return values.find_first_not_of("0.+- \t") == std::string_view::npos;
   }
 
-  /// One number is grey. CIE XYZ and spectral files are ignored.
+  /// One number is gray. CIE XYZ and spectral files are ignored.
   Rgb read_color(const char* what) {
     Statements ahead = statements_;
     if (const std::string_view form = ahead.word(); form == "xyz" || form == "spectral") {
       lost_.insert(concat(what, " ", form));
-      return Rgb{1, 1, 1} * (what[1] == 'd' ? kGrey : 0.0f);
+      return Rgb{1, 1, 1} * (what[1] == 'd' ? kDefaultGray : 0.0f);
     }
     Rgb color;
     color.x = statements_.number(what);
@@ -224,7 +223,7 @@ class MtlReader {
     if (!is_new) return ignored_->add("material given twice, the later one", "material");
     material_.base_color_texture = to_ref(map_kd_);
     const bool textured = material_.base_color_texture.texture != kNone;
-    if (!has_kd_) material_.base_color = Rgb{1, 1, 1} * (textured ? 1 : kGrey);
+    if (!has_kd_) material_.base_color = Rgb{1, 1, 1} * (textured ? 1 : kDefaultGray);
     if (textured && max_component(material_.base_color) == 0) {
       // Some exporters mean "all from the texture"; a product of 0 is never meant.
       ignored_->add("Kd of 0 beside a map_Kd", "material");

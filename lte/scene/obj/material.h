@@ -12,6 +12,9 @@
 
 namespace lte::scene::obj {
 
+/// The color of what has none, in each channel.
+inline constexpr float kDefaultGray = 0.5f;
+
 /// Materials by name, and the pictures that they refer to: TextureRef::texture is an index into
 /// `pictures`.
 struct MaterialLibrary {

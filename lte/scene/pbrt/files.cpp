@@ -15,7 +15,7 @@ SceneFilePtr Files::find(const std::string& name, const Location& at) const {
                               top = scene_->scene().parent_path() / name;
   try {
     if (const SceneFilePtr file = scene_->open({beside, top}, name, concat(at))) return file;
-  } catch (const Refusal&) {
+  } catch (const LimitError&) {
     throw;
   } catch (const Error& error) {
     if (at.file->outside) fail(at, "the file that it names cannot be read");

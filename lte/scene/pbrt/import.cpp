@@ -148,7 +148,7 @@ class Importer {
     if (!def.params || !def.params->has("normalmap")) return;
     try {
       material->normal_texture = images_.normal_map(def.params->text("normalmap", ""), def.at);
-    } catch (const Refusal&) {
+    } catch (const LimitError&) {
       throw;
     } catch (const Error&) {
       world_.ignored.add("normal map that is not there", def.at);

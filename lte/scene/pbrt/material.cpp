@@ -51,7 +51,7 @@ bool is_interface(const std::string& type) {
   return type.empty() || type == "interface" || type == "none";
 }
 
-TexturePtr grey(float value) { return constant_texture({value, value, value}); }
+TexturePtr gray(float value) { return constant_texture({value, value, value}); }
 
 }  // namespace
 
@@ -75,7 +75,7 @@ TexturePtr MaterialTable::conductor(const Params& params, const std::string& pre
   for (const Parameter* parameter : {eta, k}) {
     if (parameter == nullptr || !parameter->is_texture()) continue;
     ignored_->add("texture of a conductor's eta or k, 0.5 taken", parameter->at);
-    return grey(0.5f);
+    return gray(0.5f);
   }
   if (eta == nullptr && k == nullptr) return constant_texture(*named_conductor("Cu"));
   return constant_texture(to_conductor(eta, k, files_, ignored_));
@@ -136,7 +136,7 @@ MaterialTable::Built MaterialTable::mixture(const MaterialDef& def, int depth) {
     const Built part = follow(found->second, depth + 1);
     albedos[i] = part.albedo;
     glosses[i] = part.gloss;
-    if (!albedos[i]) albedos[i] = grey(0);  // what passes through the surface is not reflected
+    if (!albedos[i]) albedos[i] = gray(0);  // what passes through the surface is not reflected
   }
   const TexturePtr amount = textures_.of_float(params, "amount", 0.5f);
   const TexturePtr albedo = mix_textures(albedos[0], albedos[1], amount, def.at);
@@ -170,10 +170,10 @@ MaterialTable::Built MaterialTable::build(const MaterialDef& def, int depth) {
   if (def.type == "mix") return mixture(def, depth);
   if (def.type == "dielectric" || def.type == "thindielectric" || def.type == "glass") {
     ignored_->add("Material " + quote(def.type) + ": white and opaque", def.at);
-    return {grey(1), {}};
+    return {gray(1), {}};
   }
   ignored_->add("unknown Material " + quote(def.type) + ": 0.5 taken", def.at);
-  return {grey(0.5f), {}};
+  return {gray(0.5f), {}};
 }
 
 }  // namespace lte::scene::pbrt

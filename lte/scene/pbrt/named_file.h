@@ -13,7 +13,7 @@ auto at_line(const Location& at, const Read& read) {
   try {
     return read();
   } catch (const Error& error) {
-    const bool refused = dynamic_cast<const Refusal*>(&error) != nullptr;
+    const bool refused = dynamic_cast<const LimitError*>(&error) != nullptr;
     if (at.file != nullptr && at.file->outside && !refused)
       fail(at, "the file that it names cannot be read");
     rethrow_at(concat(at), error);

@@ -45,9 +45,9 @@ bool is_comment(std::string_view word) {
   return word == "comment" || word == "obj_info" || word == "Created";
 }
 
-class Reader {
+class HeaderReader {
  public:
-  Reader(const std::string& name, std::string_view text) : name_(name), text_(text) {}
+  HeaderReader(const std::string& name, std::string_view text) : name_(name), text_(text) {}
 
   Header read() {
     LTE_CHECK(next_line() && split(line_) == std::vector<std::string_view>{"ply"}, name_,
@@ -195,7 +195,7 @@ size_t size_of(Scalar type) {
 }
 
 Header read_header(const std::string& name, std::string_view text) {
-  return Reader(name, text).read();
+  return HeaderReader(name, text).read();
 }
 
 }  // namespace lte::scene::ply

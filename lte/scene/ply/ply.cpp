@@ -136,9 +136,9 @@ float to_linear(double value, Scalar type) {
   return static_cast<float>(value);
 }
 
-class Reader {
+class BodyReader {
  public:
-  Reader(const std::string& name, std::string_view text, const LoadLimits& limits)
+  BodyReader(const std::string& name, std::string_view text, const LoadLimits& limits)
       : limits_(limits),
         name_(name),
         header_(read_header(name, text)),
@@ -322,7 +322,7 @@ class Reader {
 PlyMesh read_ply(const SceneFilePtr& file, LoadBudget* budget) {
   return read_discreetly(*file, "PLY mesh", [&] {
     const CompressedFile text(file, budget);
-    return Reader(file->name(), text.text(), budget->limits()).read();
+    return BodyReader(file->name(), text.text(), budget->limits()).read();
   });
 }
 

@@ -8,12 +8,12 @@
 namespace lte::infer {
 namespace {
 
-Rgb grey(float value) { return {value, value, value}; }
+Rgb gray(float value) { return {value, value, value}; }
 
 GatheredProbe two_points() {
   GatheredProbe out;
-  out.indirect = {grey(10), grey(10)};
-  out.standard_error = {grey(0.6f), grey(0)};
+  out.indirect = {gray(10), gray(10)};
+  out.standard_error = {gray(0.6f), gray(0)};
   out.tables = 4;
   return out;
 }
@@ -28,7 +28,7 @@ TEST(ExpectedError, TablesOfOthersSpeakForAPointWhoseOwnAgreeByChance) {
 
 TEST(ExpectedError, WhatTheRegionIsOffByCountsBeyondItsOwnError) {
   GatheredProbe exact = two_points();
-  exact.standard_error = {grey(0), grey(0)};
+  exact.standard_error = {gray(0), gray(0)};
   LightCheck check;
   check.regions.resize(2);
   check.regions[0].ratio = 1.3;

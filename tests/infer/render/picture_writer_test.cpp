@@ -12,7 +12,7 @@
 namespace lte::infer {
 namespace {
 
-FinishedPicture grey(const std::filesystem::path& out, float value) {
+FinishedPicture gray(const std::filesystem::path& out, float value) {
   FinishedPicture picture;
   picture.out = out;
   picture.frame.color = image::Image(8, 4, 3);
@@ -28,7 +28,7 @@ TEST(PictureWriter, WritesPicturesInTheirOrderAndSaysSo) {
     written.push_back(picture.out.filename());
   });
   for (const char* name : {"0.png", "1.png", "2.png"})
-    writer.write(grey(folder / name, name[0] == '1' ? 1.0f : 0.0f));
+    writer.write(gray(folder / name, name[0] == '1' ? 1.0f : 0.0f));
   writer.finish();
   EXPECT_EQ(written, (std::vector<std::string>{"0.png", "1.png", "2.png"}));
   EXPECT_EQ(image::read_png(folder / "1.png").rgb(3, 2).x, 1);
@@ -40,10 +40,10 @@ TEST(PictureWriter, SaysWhatCouldNotBeWrittenWithTheNextPictureOrAtTheEnd) {
   const test::TempDir folder;
   const auto never = [](const FinishedPicture& picture) { ADD_FAILURE() << picture.out; };
   PictureWriter writer(never);
-  writer.write(grey(folder / "none" / "0.png", 1));
-  EXPECT_THROW(writer.write(grey(folder / "1.png", 1)), Error);
+  writer.write(gray(folder / "none" / "0.png", 1));
+  EXPECT_THROW(writer.write(gray(folder / "1.png", 1)), Error);
   PictureWriter last(never);
-  last.write(grey(folder / "none" / "2.png", 1));
+  last.write(gray(folder / "none" / "2.png", 1));
   EXPECT_THROW(last.finish(), Error);
 }
 

@@ -106,8 +106,8 @@ TEST(Renderer, DirectLightOfAQuadAgreesWithTheClosedForm) {
 TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
   scene::Scene scene = lit_floor();
   // Half the surface lies in the dark below the floor.
-  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
-  test::add_instance(&scene, test::box_mesh({-1, -1.5f, -1}, {1, -0.5f, 1}, grey, false));
+  const int gray = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({-1, -1.5f, -1}, {1, -0.5f, 1}, gray, false));
   for (const bool trained_pruned : {false, true}) {
     test::TinyModel tiny;
     tiny.pruned = trained_pruned;
@@ -171,14 +171,16 @@ TEST(LitSamples, HaveBothSidesAndTheirErrors) {
   const pathtrace::Lights lights(scene);
   const scene::SurfaceSamples surface =
       embed::sample_scene_points(bvh, 500, /*prune=*/false, /*seed=*/1, nullptr);
-  const data::PointLight light = embed::add_light_estimates(bvh, lights, surface, {5, 32}, 1).light;
+  const data::PointIrradiance light =
+      embed::add_light_estimates(bvh, lights, surface, {5, 32}, 1).light;
   ASSERT_EQ(light.direct_back.size(), surface.position.size());
   ASSERT_EQ(light.indirect_back.size(), surface.position.size());
   ASSERT_EQ(light.error.size(), 2 * surface.position.size());
   // With normals turned over, the back is what the front was, under other random numbers.
   scene::SurfaceSamples turned = surface;
   for (Vec3& normal : turned.normal) normal = -normal;
-  const data::PointLight other = embed::add_light_estimates(bvh, lights, turned, {5, 32}, 1).light;
+  const data::PointIrradiance other =
+      embed::add_light_estimates(bvh, lights, turned, {5, 32}, 1).light;
   double front = 0, back = 0;
   for (size_t i = 0; i < light.direct.size(); ++i) {
     front += luminance(light.direct[i] - light.direct_back[i]);
@@ -289,8 +291,8 @@ TEST(Renderer, TheNetworksLightIsGathered) {
 
 TEST(Renderer, WithoutLightAllLightIsBlackAndNothingIsNeeded) {
   scene::Scene scene;
-  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
-  test::add_instance(&scene, test::box_mesh({0, 0, 0}, {2, 2, 2}, grey, true));
+  const int gray = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({0, 0, 0}, {2, 2, 2}, gray, true));
   Renderer renderer(scene);
   EXPECT_FALSE(renderer.has_light());
   const scene::Camera camera = pathtrace::auto_camera(renderer.bvh());

@@ -52,11 +52,11 @@ TEST(Accuracy, RefinedLightIsThatOfAFreshSessionBitByBit) {
     for (const std::vector<Edit>& step : steps) {
       session.apply(step, false, Accuracy::Kept);
       ASSERT_EQ(session.state()->accuracy(), Accuracy::Kept);
-      const std::optional<EditReport> draft = session.refine(Accuracy::Draft);
-      ASSERT_TRUE(draft);
-      EXPECT_EQ(draft->accuracy, Accuracy::Draft);
-      EXPECT_EQ(draft->encodings, 1);
-      EXPECT_FALSE(session.refine(Accuracy::Draft)) << "it is so already";
+      const std::optional<EditReport> edits = session.refine(Accuracy::Coarse);
+      ASSERT_TRUE(edits);
+      EXPECT_EQ(edits->accuracy, Accuracy::Coarse);
+      EXPECT_EQ(edits->encodings, 1);
+      EXPECT_FALSE(session.refine(Accuracy::Coarse)) << "it is so already";
       ASSERT_TRUE(session.refine(Accuracy::Full));
       EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
       EXPECT_FALSE(session.refine(Accuracy::Full));
@@ -74,7 +74,7 @@ TEST(Accuracy, DimmingNeedsNoLessAccurateLight) {
   Session session(room, network());
   EXPECT_EQ(session.apply(SetLight{0, 0.5, {}}, false, Accuracy::Kept).accuracy, Accuracy::Kept)
       << "it is encoded apart first";
-  EXPECT_EQ(session.refine(Accuracy::Draft)->accuracy, Accuracy::Full) << "the points are there";
+  EXPECT_EQ(session.refine(Accuracy::Coarse)->accuracy, Accuracy::Full) << "the points are there";
   EXPECT_EQ(session.apply(SetLight{0, 0.2, {}}, false, Accuracy::Kept).accuracy, Accuracy::Full);
   EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
   session.apply(MoveInstance{1, kElsewhere}, false, Accuracy::Kept);
@@ -134,7 +134,7 @@ TEST(Accuracy, ADraftByTheShippedModelIsNearAFreshSession) {
   }
   ASSERT_GT(edits.size(), 3u) << "an armchair and a lamp";
   session.apply(edits, false, Accuracy::Kept);
-  session.refine(Accuracy::Draft);
+  session.refine(Accuracy::Coarse);
   const AnswerChange change = session.change_against_fresh(points.queries());
   EXPECT_GT(change.rms, 0);
   EXPECT_LT(change.rms, kMaxRms);

@@ -108,7 +108,7 @@ TEST(GatheredSession, KeptLightIsThatOfBeforeUntilItIsRefined) {
   EXPECT_EQ(session.apply(move, false, Accuracy::Kept).accuracy, Accuracy::Kept);
   EXPECT_EQ(session.state()->parts().records, records);
   // All of it takes no longer than a part.
-  const auto refined = session.refine(Accuracy::Draft);
+  const auto refined = session.refine(Accuracy::Coarse);
   ASSERT_TRUE(refined);
   EXPECT_EQ(refined->accuracy, Accuracy::Full);
   EXPECT_GT(refined->light_ms, 0);

@@ -110,7 +110,7 @@ TEST(LookFrom, AnEditThatLetsLightInIsSeenAndTakenBack) {
   EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp, rooms.sky));
   const std::vector<float> closed = reflected(session, TwoRooms::inside());
   session.apply(RemoveInstance{lid}, false, Accuracy::Kept);
-  ASSERT_TRUE(session.refine(Accuracy::Draft));
+  ASSERT_TRUE(session.refine(Accuracy::Coarse));
   EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp));
   ASSERT_TRUE(session.refine());
   EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp));

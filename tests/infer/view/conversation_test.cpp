@@ -21,7 +21,7 @@ TEST(Conversation, BeginsWithHello) {
   EXPECT_TRUE(other.over());
   Conversation good;
   good.next(kHello);
-  EXPECT_TRUE(good.greeted());
+  EXPECT_TRUE(good.welcomed());
   EXPECT_FALSE(good.over());
 }
 

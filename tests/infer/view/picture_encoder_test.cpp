@@ -35,13 +35,13 @@ double error_of(const DisplayPicture& picture, JpegQuality quality) {
 
 TEST(PictureEncoder, AnotherDecoderReadsIt) {
   EXPECT_LT(error_of(waves(67, 45), JpegQuality::Still), 2.5);
-  EXPECT_LT(error_of(waves(67, 45), JpegQuality::Draft), 8);
+  EXPECT_LT(error_of(waves(67, 45), JpegQuality::Moving), 8);
   EXPECT_LT(error_of(waves(1, 1), JpegQuality::Still), 3);
 }
 
 TEST(PictureEncoder, ADraftIsSmaller) {
   const DisplayPicture picture = waves(320, 240);
-  EXPECT_LT(encode_jpeg(picture, JpegQuality::Draft).size(),
+  EXPECT_LT(encode_jpeg(picture, JpegQuality::Moving).size(),
             encode_jpeg(picture, JpegQuality::Still).size());
 }
 

@@ -5,18 +5,18 @@
 namespace lte::infer::view {
 namespace {
 
-image::Image grey(float value) {
+image::Image gray(float value) {
   image::Image out(1, 1, 3);
   out.set_rgb(0, 0, {value, value, value});
   return out;
 }
 
 TEST(DisplayLayers, ADifferenceIsRedAboveAndBlueBelow) {
-  const DisplayPicture above = display_difference(grey(0.6f), grey(0.5f), 1);
+  const DisplayPicture above = display_difference(gray(0.6f), gray(0.5f), 1);
   EXPECT_GT(above.bytes[0], above.bytes[2]);
-  const DisplayPicture below = display_difference(grey(0.5f), grey(0.6f), 1);
+  const DisplayPicture below = display_difference(gray(0.5f), gray(0.6f), 1);
   EXPECT_GT(below.bytes[2], below.bytes[0]);
-  EXPECT_EQ(display_difference(grey(0.5f), grey(0.5f), 1).bytes, (std::vector<uint8_t>{0, 0, 0}));
+  EXPECT_EQ(display_difference(gray(0.5f), gray(0.5f), 1).bytes, (std::vector<uint8_t>{0, 0, 0}));
 }
 
 TEST(DisplayLayers, NormalsFillTheCube) {

@@ -77,8 +77,8 @@ TEST(AddedLight, ThePanelShinesDownOnTheFloor) {
 
 TEST(AddedLight, WhatNothingEnclosesGetsAnEnvironment) {
   scene::Scene scene;
-  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
-  test::add_instance(&scene, test::box_mesh({-1, 0, -1}, {1, 2, 1}, grey, false));
+  const int gray = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({-1, 0, -1}, {1, 2, 1}, gray, false));
   EXPECT_THAT(add_light("auto", &scene), HasSubstr("environment of radiance 1"));
   ASSERT_TRUE(scene.environment.has_value());
   EXPECT_EQ(scene.environment->radiance, (Rgb{1, 1, 1}));

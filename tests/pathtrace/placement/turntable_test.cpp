@@ -13,20 +13,20 @@ namespace {
 
 scene::Scene object() {
   scene::Scene scene;
-  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
-  test::add_instance(&scene, test::box_mesh({9, 0, 4}, {11, 2, 6}, grey, false));
+  const int gray = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({9, 0, 4}, {11, 2, 6}, gray, false));
   return scene;
 }
 
 /// Open towards +Z.
 scene::Scene stage() {
   scene::Scene scene;
-  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
-  test::add_quad(&scene, {0, 0, 0}, {0, 0, 2}, {2, 0, 0}, grey);
-  test::add_quad(&scene, {0, 2, 0}, {2, 0, 0}, {0, 0, 2}, grey);
-  test::add_quad(&scene, {0, 0, 0}, {2, 0, 0}, {0, 2, 0}, grey);
-  test::add_quad(&scene, {0, 0, 0}, {0, 2, 0}, {0, 0, 2}, grey);
-  test::add_quad(&scene, {2, 0, 0}, {0, 0, 2}, {0, 2, 0}, grey);
+  const int gray = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_quad(&scene, {0, 0, 0}, {0, 0, 2}, {2, 0, 0}, gray);
+  test::add_quad(&scene, {0, 2, 0}, {2, 0, 0}, {0, 0, 2}, gray);
+  test::add_quad(&scene, {0, 0, 0}, {2, 0, 0}, {0, 2, 0}, gray);
+  test::add_quad(&scene, {0, 0, 0}, {0, 2, 0}, {0, 0, 2}, gray);
+  test::add_quad(&scene, {2, 0, 0}, {0, 0, 2}, {0, 2, 0}, gray);
   return scene;
 }
 

@@ -128,8 +128,8 @@ TEST(ReachLights, LuminairesThatWouldTakeMoreThanHalfKeepTheirPower) {
 /// A lamp drawn six times, a quarter of whose points shine, beside ten points of the floor.
 TEST(ReachLights, WhatLeavesIsMadeGoodByWhatStays) {
   scene::Scene scene;
-  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
-  test::add_quad(&scene, {0, 0, 0}, {0, 0, 5}, {4, 0, 0}, grey);
+  const int gray = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_quad(&scene, {0, 0, 0}, {0, 0, 5}, {4, 0, 0}, gray);
   test::add_lamp(&scene, {0, 2, 0}, 3, 1, {4, 4, 4});
   SurfaceSamples samples;
   KeptSamples kept;

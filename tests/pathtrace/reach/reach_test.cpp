@@ -170,8 +170,8 @@ TEST(Reach, DoesNotDependOnThreads) {
 TEST(Reach, RecalledDarknessGivesThePointsOfAWholeSearch) {
   scene::Scene scene = test::dark_room();
   test::add_lamp(&scene, {0.5f, 2.4f, 1}, 0.5f, 1, {8, 4, 2});
-  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
-  test::add_instance(&scene, test::box_mesh({-0.2f, 0, -0.2f}, {0.2f, 0.4f, 0.2f}, grey, false),
+  const int gray = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({-0.2f, 0, -0.2f}, {0.2f, 0.4f, 0.2f}, gray, false),
                      test::translation({3.5f, 0, 1}));
   scene::SamplerOptions sampler;
   sampler.seed = 3;

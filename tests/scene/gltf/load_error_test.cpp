@@ -54,7 +54,7 @@ class LoadError : public ::testing::Test {
     builder.json["materials"] = {
         {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
     builder.json["textures"] = {{{"source", 0}}};
-    // 1x1 grey PNG, 8 bit
+    // 1x1 gray PNG, 8 bit
     const std::vector<uint8_t> png{0x89, 'P', 'N',  'G',  13,   10,   26,   10,   0,    0, 0, 13,
                                    'I',  'H', 'D',  'R',  0,    0,    0,    1,    0,    0, 0, 1,
                                    8,    0,   0,    0,    0,    0x3a, 0x7e, 0x9b, 0x55, 0, 0, 0,

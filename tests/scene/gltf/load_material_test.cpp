@@ -33,8 +33,8 @@ std::string png(const std::array<int, 6>& codes) {
   return {bytes.begin(), bytes.end()};
 }
 
-std::string jpeg(int width, int height, uint8_t grey) {
-  const std::vector<uint8_t> pixels(static_cast<size_t>(width * height) * 3, grey);
+std::string jpeg(int width, int height, uint8_t gray) {
+  const std::vector<uint8_t> pixels(static_cast<size_t>(width * height) * 3, gray);
   std::string out;
   stbi_write_jpg_to_func(
       [](void* context, void* data, int size) {

@@ -66,8 +66,8 @@ TEST_F(LoadWebp, LosslessComesBackBitForBit) {
 }
 
 TEST_F(LoadWebp, LossyComesBackNearly) {
-  const std::vector<uint8_t> grey(32 * 32 * 3, 100);
-  GltfBuilder builder = textured(webp(grey, 32, 32, false));
+  const std::vector<uint8_t> gray(32 * 32 * 3, 100);
+  GltfBuilder builder = textured(webp(gray, 32, 32, false));
   const Scene scene = load(builder);
   for (const uint8_t texel : scene.textures.at(0)->texels()) EXPECT_NEAR(texel, 100, 3);
 }

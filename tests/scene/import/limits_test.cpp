@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/scene/import/compressed_file.h"
-#include "lte/scene/import/refusal.h"
+#include "lte/scene/import/limit_error.h"
 #include "lte/scene/load.h"
 #include "tests/scene/import/doors.h"
 #include "tests/support/gzip.h"

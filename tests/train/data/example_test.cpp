@@ -100,7 +100,7 @@ TEST(MakeExample, RadiosityIsSolvedByLightGroup) {
     return std::span(reinterpret_cast<const Vec3*>(t.const_data_ptr<float>()),
                      static_cast<size_t>(t.size(0)));
   };
-  const radiosity::PointLight light = radiosity::solve(
+  const radiosity::PointIrradiance light = radiosity::solve(
       {triples(points.position), triples(points.normal), triples(points.albedo),
        triples(points.emission),
        std::span(points.area.const_data_ptr<float>(), static_cast<size_t>(points.area.size(0)))},
@@ -164,7 +164,7 @@ TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
 }
 
 /// The channels' mean of the light of a row.
-double grey(const at::Tensor& row) { return row.mean().item<double>(); }
+double gray(const at::Tensor& row) { return row.mean().item<double>(); }
 
 TEST(MakeExample, SymmetriesActOnBothSidesOfTheLight) {
   const test::TempDir dir;
@@ -223,8 +223,8 @@ TEST(MakeExample, SymmetriesActOnBothSidesOfTheLight) {
       const at::Tensor back = example.points.indirect_back[row],
                        front = example.points.indirect[row] - back,
                        given = example.points.indirect_error[row];
-      EXPECT_NEAR(given[0].item<double>() * grey(front), std::sqrt(error[0]), 1e-4);
-      EXPECT_NEAR(given[1].item<double>() * grey(back), std::sqrt(error[1]), 1e-4);
+      EXPECT_NEAR(given[0].item<double>() * gray(front), std::sqrt(error[0]), 1e-4);
+      EXPECT_NEAR(given[1].item<double>() * gray(back), std::sqrt(error[1]), 1e-4);
     }
   }
 }

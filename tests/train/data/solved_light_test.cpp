@@ -25,7 +25,7 @@ struct FloorAndLamp {
   radiosity::Points points() const { return {position, normal, albedo, emission, area, group}; }
 };
 
-void expect_same(const radiosity::PointLight& a, const radiosity::PointLight& b) {
+void expect_same(const radiosity::PointIrradiance& a, const radiosity::PointIrradiance& b) {
   EXPECT_EQ(a.direct, b.direct);
   EXPECT_EQ(a.indirect, b.indirect);
   EXPECT_EQ(a.direct_back, b.direct_back);
@@ -35,7 +35,7 @@ void expect_same(const radiosity::PointLight& a, const radiosity::PointLight& b)
 TEST(SolvedLight, IsReadFromItsFile) {
   const test::TempDir dir;
   const FloorAndLamp scene;
-  const radiosity::PointLight solved = radiosity::solve(scene.points(), 1);
+  const radiosity::PointIrradiance solved = radiosity::solve(scene.points(), 1);
   ASSERT_GT(solved.direct[1].x, 0);
   expect_same(solved_light(dir.path() / "light", "a", scene.points(), 1), solved);
   expect_same(solved_light(dir.path() / "light", "a", scene.points(), 1), solved);
@@ -57,7 +57,7 @@ TEST(SolvedLight, OfOtherPointsIsReplaced) {
   FloorAndLamp scene;
   solved_light(dir.path(), "a", scene.points(), 1);
   scene.emission[3] = {30, 20, 10};
-  const radiosity::PointLight brighter = radiosity::solve(scene.points(), 1);
+  const radiosity::PointIrradiance brighter = radiosity::solve(scene.points(), 1);
   for (int again = 0; again < 2; ++again)
     expect_same(solved_light(dir.path(), "a", scene.points(), 1), brighter);
   EXPECT_EQ(solved_light(dir.path(), "a", scene.points(), 2).direct.size(), 8u) << "more groups";
@@ -66,7 +66,7 @@ TEST(SolvedLight, OfOtherPointsIsReplaced) {
 TEST(SolvedLight, DamagedFilesAreReplaced) {
   const test::TempDir dir;
   const FloorAndLamp scene;
-  const radiosity::PointLight solved = solved_light(dir.path(), "a", scene.points(), 1);
+  const radiosity::PointIrradiance solved = solved_light(dir.path(), "a", scene.points(), 1);
   const std::filesystem::path path = dir.path() / "a.safetensors";
   std::filesystem::resize_file(path, std::filesystem::file_size(path) - 4);
   const std::string said = test::stderr_of(LogLevel::Info, [&] {

@@ -22,11 +22,11 @@
 namespace lte::ops {
 namespace {
 
-constexpr int64_t kTile = 48;  ///< queries at a time
+constexpr int64_t kGradientTile = 48;  ///< queries at a time
 constexpr int64_t kQuery = AttentionInput::kQuery, kKey = AttentionInput::kKey,
                   kValue = AttentionInput::kValue;
 
-struct Work {
+struct GradientWork {
   const AttentionInput& input;
   bool bf16;
   const float* grad;     ///< [n, C]
@@ -55,7 +55,7 @@ class SumsByKey {
       : d_(input.width()),
         length_(input.length()),
         turned_(bf16 ? 0 : static_cast<size_t>(d_ * kPanel)),
-        pairs_(bf16 ? static_cast<size_t>(kTile / 2 * kPanel) : 0),
+        pairs_(bf16 ? static_cast<size_t>(kGradientTile / 2 * kPanel) : 0),
         turned_pairs_(bf16 ? static_cast<size_t>(d_ * kPanel / 2) : 0),
         sums_(static_cast<size_t>(panels_of(length_) * d_ * kPanel)) {}
 
@@ -104,7 +104,7 @@ class SumsByKey {
   int64_t d_, length_;
   int64_t rows_ = 0;
   std::vector<float> turned_;           ///< [d, kPanel], a column a query
-  std::vector<uint32_t> pairs_;         ///< [kTile / 2, kPanel], in bfloat16
+  std::vector<uint32_t> pairs_;         ///< [kGradientTile / 2, kPanel], in bfloat16
   std::vector<uint32_t> turned_pairs_;  ///< [d, kPanel / 2], in bfloat16
   std::vector<float> sums_;
 };
@@ -112,7 +112,7 @@ class SumsByKey {
 /// One thread's working memory.
 class HeadGradient {
  public:
-  explicit HeadGradient(const Work& work)
+  explicit HeadGradient(const GradientWork& work)
       : work_(work),
         of_(work.input),
         d_(of_.width()),
@@ -120,16 +120,16 @@ class HeadGradient {
         keys_(of_, work.bf16),
         values_(of_, work.bf16),
         key_slots_(of_, work.bf16),
-        log_sum_(kTile),
-        mean_(kTile),
-        query_(kTile, kPanel),
-        grad_(kTile, kPanel),
-        weights_(kTile, kPanel),
-        by_scores_(kTile, kPanel),
-        by_query_(kTile, kPanel),
+        log_sum_(kGradientTile),
+        mean_(kGradientTile),
+        query_(kGradientTile, kPanel),
+        grad_(kGradientTile, kPanel),
+        weights_(kGradientTile, kPanel),
+        by_scores_(kGradientTile, kPanel),
+        by_query_(kGradientTile, kPanel),
         by_key_(of_, work.bf16),
         by_value_(of_, work.bf16),
-        weight_pairs_(work.bf16 ? static_cast<size_t>(kTile / 2 * kPanel) : 0),
+        weight_pairs_(work.bf16 ? static_cast<size_t>(kGradientTile / 2 * kPanel) : 0),
         by_score_pairs_(weight_pairs_.size()),
         by_key_pairs_(weight_pairs_.size()) {}
 
@@ -139,8 +139,8 @@ class HeadGradient {
     keys_.pack(first_, kKey, head);
     values_.pack(first_, kValue, head);
     key_slots_.pack(first_, kKey, head);
-    for (int64_t q = 0; q < length_; q += kTile) {
-      const int64_t rows = std::min(kTile, length_ - q);
+    for (int64_t q = 0; q < length_; q += kGradientTile) {
+      const int64_t rows = std::min(kGradientTile, length_ - q);
       take_queries(q, rows);
       for (int64_t j = 0; j < length_; j += kPanel) add_panel(q, rows, j);
       // The scores' gradient is in units of e, so that of a query has the plain factor.
@@ -208,7 +208,7 @@ class HeadGradient {
     }
   }
 
-  const Work& work_;
+  const GradientWork& work_;
   const AttentionInput& of_;
   int64_t d_, length_;
   int64_t first_ = 0, head_ = 0;
@@ -250,12 +250,12 @@ at::Tensor patch_attention_backward_cpu(const at::Tensor& any_grad, const at::Te
   const at::Tensor grad = any_grad.contiguous();
   check_patch_attention_backward_args(grad, out, log_sum, input.slots(), qkv, heads);
   at::Tensor by_slot = at::empty({input.slots(), qkv.size(1)}, qkv.options());
-  const Work work{input,
-                  bf16,
-                  grad.const_data_ptr<float>(),
-                  out.const_data_ptr<float>(),
-                  log_sum.const_data_ptr<float>(),
-                  by_slot.data_ptr<float>()};
+  const GradientWork work{input,
+                          bf16,
+                          grad.const_data_ptr<float>(),
+                          out.const_data_ptr<float>(),
+                          log_sum.const_data_ptr<float>(),
+                          by_slot.data_ptr<float>()};
   at::parallel_for(0, input.patches() * heads, 1, [&](int64_t begin, int64_t end) {
     HeadGradient head(work);
     for (int64_t i = begin; i < end; ++i) head.run(i / heads, i % heads);

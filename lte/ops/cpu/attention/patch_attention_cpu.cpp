@@ -34,7 +34,7 @@ constexpr int64_t kTile = 48;  ///< queries at a time, whose scores of a panel a
 constexpr float kSafeScore = 30;
 static_assert(kWidestHead <= kPanel);
 
-struct Work {
+struct AttentionWork {
   const AttentionInput& input;
   bool bf16;
   float* out;
@@ -44,7 +44,7 @@ struct Work {
 /// One thread's working memory.
 class HeadAttention {
  public:
-  explicit HeadAttention(const Work& work)
+  explicit HeadAttention(const AttentionWork& work)
       : work_(work),
         of_(work.input),
         d_(of_.width()),
@@ -120,7 +120,7 @@ class HeadAttention {
       values_.multiply(scores_.panel(j / kPanel), rows, j, j > 0, answer_.panel(0));
   }
 
-  const Work& work_;
+  const AttentionWork& work_;
   const AttentionInput& of_;
   int64_t d_, length_;
   ChannelFactor keys_;
@@ -131,11 +131,11 @@ class HeadAttention {
   float longest_key_ = 0;                     ///< the largest square of a key's length
 };
 
-/// @param log_sum  see Work
+/// @param log_sum  see AttentionWork
 at::Tensor attend(const AttentionInput& input, bool bf16, const at::Tensor& qkv, float* log_sum) {
   at::Tensor out = at::empty({input.points(), input.channels()}, qkv.options());
   if (input.points() == 0) return out;
-  const Work work{input, bf16, out.data_ptr<float>(), log_sum};
+  const AttentionWork work{input, bf16, out.data_ptr<float>(), log_sum};
   const int64_t heads = input.heads();
   at::parallel_for(0, input.patches() * heads, 1, [&](int64_t begin, int64_t end) {
     HeadAttention attention(work);

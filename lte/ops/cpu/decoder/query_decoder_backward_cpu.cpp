@@ -22,12 +22,12 @@
 namespace lte::ops {
 namespace {
 
-constexpr int64_t kTile = 48;      ///< queries of a tile; a multiple of the kernels' rows
-constexpr int64_t kMinPart = 512;  ///< queries below which a second thread gains nothing
-constexpr int64_t kPair = 2 * kBlock;
+constexpr int64_t kGradientTile = 48;  ///< queries of a tile; a multiple of the kernels' rows
+constexpr int64_t kMinPart = 512;      ///< queries below which a second thread gains nothing
+constexpr int64_t kGradientPair = 2 * kBlock;
 
 /// What all tiles read.
-struct Work {
+struct GradientWork {
   const DecoderNetwork& net;
   DecoderSizes sizes;
   const float *grad, *attribute;
@@ -38,7 +38,7 @@ struct Work {
   const float* sums;
 
   /// Floats of a latent in the table, and of a query in the sums.
-  int64_t entry() const { return blocks_of(sizes.channels) * sizes.layers * kPair; }
+  int64_t entry() const { return blocks_of(sizes.channels) * sizes.layers * kGradientPair; }
 };
 
 /// What a run of queries sums up.
@@ -50,7 +50,7 @@ struct RunSums {
 /// One thread's working memory.
 class TileReturn {
  public:
-  TileReturn(const Work& work, RunSums& sums)
+  TileReturn(const GradientWork& work, RunSums& sums)
       : work_(work),
         sums_(sums.weights),
         by_table_(sums.table),
@@ -59,28 +59,28 @@ class TileReturn {
         C_(work.sizes.channels),
         H_(work.sizes.gamma_hidden),
         blocks_(blocks_of(C_)),
-        input_(kTile, work.sizes.attributes),
-        point_(kTile, work.net.point.hidden.forward.outputs),
-        head_(kTile, work.net.head.hidden.forward.outputs),
-        normed_(kTile, C_),
-        answer_(kTile, work.sizes.outputs),
-        grad_(kTile, C_),
-        by_branch_(kTile, C_),
-        by_hidden_(kTile, widest_hidden()),
+        input_(kGradientTile, work.sizes.attributes),
+        point_(kGradientTile, work.net.point.hidden.forward.outputs),
+        head_(kGradientTile, work.net.head.hidden.forward.outputs),
+        normed_(kGradientTile, C_),
+        answer_(kGradientTile, work.sizes.outputs),
+        grad_(kGradientTile, C_),
+        by_branch_(kGradientTile, C_),
+        by_hidden_(kGradientTile, widest_hidden()),
         geometry_(kPanel, work.net.gamma.hidden.forward.inputs),
         gamma_(kPanel, H_),
         pair_(kPanel, C_),
         by_activation_(kPanel, H_),
-        by_sums_(static_cast<size_t>(kTile * work.entry())),
-        positions_(static_cast<size_t>(kTile * K_ * blocks_ * kBlock)),
+        by_sums_(static_cast<size_t>(kGradientTile * work.entry())),
+        positions_(static_cast<size_t>(kGradientTile * K_ * blocks_ * kBlock)),
         by_position_(static_cast<size_t>(std::max(kPanel, K_) * blocks_ * kBlock)) {
     for (const DecoderBlock& block : work.net.blocks) {
       kept_.emplace_back(C_, block.ffn.hidden.forward.outputs);
     }
-    last_ = Tile(kTile, C_);
+    last_ = Tile(kGradientTile, C_);
   }
 
-  /// Queries [first, first + rows), at most kTile.
+  /// Queries [first, first + rows), at most kGradientTile.
   void run(int64_t first, int64_t rows) {
     forward(first, rows);
     return_to_layers(first, rows);
@@ -98,13 +98,13 @@ class TileReturn {
     Hidden hidden;
 
     Kept(int64_t C, int64_t width)
-        : input(kTile, C),
-          normed1(kTile, C),
-          query(kTile, C),
-          attended(kTile, C),
-          middle(kTile, C),
-          normed2(kTile, C),
-          hidden(kTile, width) {}
+        : input(kGradientTile, C),
+          normed1(kGradientTile, C),
+          query(kGradientTile, C),
+          attended(kGradientTile, C),
+          middle(kGradientTile, C),
+          normed2(kGradientTile, C),
+          hidden(kGradientTile, width) {}
   };
 
   int64_t widest_hidden() const {
@@ -150,10 +150,10 @@ class TileReturn {
       dense(block.query.forward, kept.normed1, rows, false, kept.query);
       for (int64_t p = 0; p < panels_of(C_); ++p) {
         const int64_t from = p * kPanelBlocks;
-        dense_kernels().attend({kept.query.panel(p), rows, std::min(blocks_ - from, kPanelBlocks),
-                                work_.sums + first * work_.entry() + (from * L_ + l) * kPair,
-                                work_.entry(), L_ * kPair, 1 / static_cast<float>(K_),
-                                kept.attended.panel(p)});
+        dense_kernels().attend(
+            {kept.query.panel(p), rows, std::min(blocks_ - from, kPanelBlocks),
+             work_.sums + first * work_.entry() + (from * L_ + l) * kGradientPair, work_.entry(),
+             L_ * kGradientPair, 1 / static_cast<float>(K_), kept.attended.panel(p)});
       }
       copy_rows(kept.input, rows, kept.middle);
       dense(block.output.forward, kept.attended, rows, true, kept.middle);
@@ -200,10 +200,10 @@ class TileReturn {
     sums.output.add(grad_, kept.attended, rows);
     dense(block.output.backward, grad_, rows, false, by_branch_);
     for (int64_t p = 0; p < panels_of(C_); ++p) {
-      const int64_t from = p * kPanelBlocks, at = (from * L_ + l) * kPair;
+      const int64_t from = p * kPanelBlocks, at = (from * L_ + l) * kGradientPair;
       gradient_kernels().attend_gradient(
           {kept.query.panel(p), rows, std::min(blocks_ - from, kPanelBlocks),
-           work_.sums + first * work_.entry() + at, work_.entry(), L_ * kPair,
+           work_.sums + first * work_.entry() + at, work_.entry(), L_ * kGradientPair,
            1 / static_cast<float>(K_), by_branch_.panel(p), by_sums_.data() + at});
     }
     sums.query.add(by_branch_, kept.normed1, rows);
@@ -257,7 +257,7 @@ class TileReturn {
   }
 
   static constexpr int64_t kPanelBlocks = kPanel / kBlock;
-  const Work& work_;
+  const GradientWork& work_;
   DecoderSums& sums_;
   TableGradient& by_table_;
   int64_t K_, L_, C_, H_;  ///< work's sizes
@@ -266,13 +266,13 @@ class TileReturn {
   Hidden point_, head_;
   Tile normed_, answer_, grad_, by_branch_, by_hidden_;
   Tile last_{0, 0};
-  Tile spare_{kTile, C_};
+  Tile spare_{kGradientTile, C_};
   std::vector<Kept> kept_;
   Tile geometry_;  ///< a row a pair
   Hidden gamma_;
   Tile pair_, by_activation_;
-  std::vector<float> by_sums_;      ///< by the sums of the tile's queries, [kTile, entry]
-  std::vector<float> positions_;    ///< of its pairs, [kTile * K, blocks * kBlock]
+  std::vector<float> by_sums_;      ///< by the sums of the tile's queries, [kGradientTile, entry]
+  std::vector<float> positions_;    ///< of its pairs, [kGradientTile * K, blocks * kBlock]
   std::vector<float> by_position_;  ///< [kPanel or K, blocks * kBlock]
 };
 
@@ -306,15 +306,15 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
   const at::Tensor grad = any_grad.contiguous();
   const std::vector<at::Tensor> by_weights = room_for(list);
   const DecoderNetwork net(weights);
-  const Work work{net,
-                  in.sizes,
-                  grad.const_data_ptr<float>(),
-                  in.attributes.const_data_ptr<float>(),
-                  PairReader(in.near),
-                  in.table.const_data_ptr<float>(),
-                  in.table.stride(0),
-                  in.near.index.const_data_ptr<int64_t>(),
-                  sums.const_data_ptr<float>()};
+  const GradientWork work{net,
+                          in.sizes,
+                          grad.const_data_ptr<float>(),
+                          in.attributes.const_data_ptr<float>(),
+                          PairReader(in.near),
+                          in.table.const_data_ptr<float>(),
+                          in.table.stride(0),
+                          in.near.index.const_data_ptr<int64_t>(),
+                          sums.const_data_ptr<float>()};
   const RowParts parts(in.sizes.queries, kMinPart);
   std::vector<RunSums> runs;
   for (int64_t part = 0; part < parts.parts; ++part) {
@@ -323,8 +323,8 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
   at::parallel_for(0, parts.parts, 1, [&](int64_t begin, int64_t end) {
     for (int64_t part = begin; part < end; ++part) {
       TileReturn tile(work, runs[static_cast<size_t>(part)]);
-      for (int64_t q = parts.begin(part); q < parts.begin(part + 1); q += kTile) {
-        tile.run(q, std::min(kTile, parts.begin(part + 1) - q));
+      for (int64_t q = parts.begin(part); q < parts.begin(part + 1); q += kGradientTile) {
+        tile.run(q, std::min(kGradientTile, parts.begin(part + 1) - q));
       }
     }
   });

@@ -23,7 +23,7 @@ constexpr int64_t kSubtile = 16;     ///< queries whose activations of γ, 128 K
 constexpr int64_t kPair = 2 * kBlock;
 
 /// What all tiles read.
-struct Work {
+struct DecoderWork {
   const PackedDecoder& net;
   DecoderSizes sizes;
   const float* attribute;
@@ -39,7 +39,7 @@ struct Work {
 /// One thread's working memory.
 class TileDecoder {
  public:
-  explicit TileDecoder(const Work& work)
+  explicit TileDecoder(const DecoderWork& work)
       : work_(work),
         K_(work.sizes.neighbours),
         L_(work.sizes.layers),
@@ -149,7 +149,7 @@ class TileDecoder {
     }
   }
 
-  const Work& work_;
+  const DecoderWork& work_;
   int64_t K_, L_, C_, H_;  ///< work's sizes
   int64_t blocks_;         ///< of channels
   int64_t pairs_;          ///< K, rounded up to whole blocks
@@ -168,16 +168,16 @@ at::Tensor decode(const DecoderInputs& in, const PackedDecoder& net, float* sums
   const int64_t share = (Q + at::get_num_threads() - 1) / at::get_num_threads();
   const int64_t tile = std::min(kTile, (share + kRowsAtOnce - 1) / kRowsAtOnce * kRowsAtOnce);
   at::Tensor out = at::empty({Q, in.sizes.outputs}, in.attributes.options());
-  const Work work{net,
-                  in.sizes,
-                  in.attributes.const_data_ptr<float>(),
-                  PairReader(in.near),
-                  in.table.const_data_ptr<float>(),
-                  in.table.stride(0),
-                  in.near.index.const_data_ptr<int64_t>(),
-                  sums,
-                  out.data_ptr<float>(),
-                  tile};
+  const DecoderWork work{net,
+                         in.sizes,
+                         in.attributes.const_data_ptr<float>(),
+                         PairReader(in.near),
+                         in.table.const_data_ptr<float>(),
+                         in.table.stride(0),
+                         in.near.index.const_data_ptr<int64_t>(),
+                         sums,
+                         out.data_ptr<float>(),
+                         tile};
   const int64_t tiles = tile > 0 ? (Q + tile - 1) / tile : 0;
   at::parallel_for(0, tiles, 1, [&](int64_t begin, int64_t end) {
     TileDecoder decoder(work);

@@ -8,7 +8,8 @@
 namespace lte::ops {
 namespace {
 
-constexpr int64_t kGrain = 16384;  ///< numbers below which a second thread costs more than it gains
+constexpr int64_t kGeluGrain =
+    16384;  ///< numbers below which a second thread costs more than it gains
 
 }  // namespace
 
@@ -17,7 +18,7 @@ at::Tensor gelu_cpu(const at::Tensor& any_x) {
   at::Tensor out = at::empty(x.sizes(), x.options());
   const auto* from = x.const_data_ptr<float>();
   auto* to = out.data_ptr<float>();
-  at::parallel_for(0, x.numel(), kGrain, [&](int64_t begin, int64_t end) {
+  at::parallel_for(0, x.numel(), kGeluGrain, [&](int64_t begin, int64_t end) {
     dense_kernels().activate_row(from + begin, end - begin, to + begin);
   });
   return out;
@@ -29,7 +30,7 @@ at::Tensor gelu_gradient_cpu(const at::Tensor& any_x, const at::Tensor& any_grad
   const auto* from = x.const_data_ptr<float>();
   const auto* g = grad.const_data_ptr<float>();
   auto* to = out.data_ptr<float>();
-  at::parallel_for(0, x.numel(), kGrain, [&](int64_t begin, int64_t end) {
+  at::parallel_for(0, x.numel(), kGeluGrain, [&](int64_t begin, int64_t end) {
     dense_kernels().activate_gradient(from + begin, g + begin, end - begin, to + begin);
   });
   return out;

@@ -16,7 +16,7 @@ struct Neighbours {
   float counted[kMax];     ///< 1 for a neighbour
   float error[kMax];       ///< relative, where points have one
   float other[kChannels];  ///< sum of the light on sides that are not read
-  float distance2[kMax], height[kMax], facing[kMax], grey[kMax], weight[kMax];
+  float distance2[kMax], height[kMax], facing[kMax], gray[kMax], weight[kMax];
 };
 
 /// The row of the side of point j that faces as `normal` does.
@@ -47,7 +47,7 @@ void gather(const PriorPoints& points, const int64_t* index, int64_t K, const fl
 float noise_of(const Neighbours& near, int64_t K, float part) {
   Float squares{};
   for (int64_t i = 0; i < K; i += kLanes<float>) {
-    const Float e = load(near.weight + i) * load(near.grey + i) * load(near.error + i);
+    const Float e = load(near.weight + i) * load(near.gray + i) * load(near.error + i);
     squares += e * e;
   }
   return horizontal_sum(squares) * part * part;
@@ -61,7 +61,7 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Prio
                     float* out) {
   constexpr int kStep = kLanes<float>;
   const float share = 1.0f / static_cast<float>(K);
-  Float distance2{}, facing{}, height{}, grey{};
+  Float distance2{}, facing{}, height{}, gray{};
   for (int64_t i = 0; i < K; i += kStep) {
     Float d2{};
     for (int c = 0; c < 3; ++c) d2 += load(near.offset[c] + i) * load(near.offset[c] + i);
@@ -72,11 +72,11 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Prio
     store(near.distance2 + i, d2);
     store(near.height + i, h);
     store(near.facing + i, f);
-    store(near.grey + i, g);
+    store(near.gray + i, g);
     distance2 += d2;
     height += h;
     facing += f;
-    grey += g;
+    gray += g;
   }
   float scale = horizontal_sum(distance2) * share;
   scale = scale > weights.least_distance2 ? scale : weights.least_distance2;
@@ -99,14 +99,14 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Prio
   const Float mean = splat((out[0] + out[1] + out[2]) * (1.0f / 3));
   Float variance{};
   for (int64_t i = 0; i < K; i += kStep) {
-    const Float d = load(near.grey + i) - mean;
+    const Float d = load(near.gray + i) - mean;
     variance += load(near.weight + i) * d * d;
   }
   out[PriorColumn::kVariance] = horizontal_sum(variance) * part;
   out[PriorColumn::kWeight] = weight;
   out[PriorColumn::kFacing] = horizontal_sum(facing) * share;
   out[PriorColumn::kHeight] = horizontal_sum(height) * share / __builtin_sqrtf(scale);
-  out[PriorColumn::kGrey] = horizontal_sum(grey) * share;
+  out[PriorColumn::kGray] = horizontal_sum(gray) * share;
   out[PriorColumn::kDistance2] = scale;
 }
 

@@ -15,7 +15,7 @@
 namespace lte::ops {
 namespace {
 
-constexpr int64_t kTile = 96;      ///< pairs at a time
+constexpr int64_t kMaxTile = 96;   ///< pairs at a time
 constexpr int64_t kMinPart = 512;  ///< centres below which a second thread gains nothing
 
 struct Work {
@@ -31,7 +31,7 @@ struct Work {
 class TileMaximum {
  public:
   explicit TileMaximum(const Work& work)
-      : work_(work), input_(kTile, work.layer.inputs), product_(kTile, kPanel) {}
+      : work_(work), input_(kMaxTile, work.layer.inputs), product_(kMaxTile, kPanel) {}
 
   /// Pairs [first, first + rows); the pairs of centre l are l * k to l * k + k.
   void run(int64_t first, int64_t rows) {
@@ -94,8 +94,8 @@ at::Tensor maxima(const at::Tensor& any_dense, const at::Tensor& any_center,
                   winner};
   at::parallel_for(0, m, 16, [&](int64_t begin, int64_t end) {
     TileMaximum tile(work);
-    for (int64_t pair = begin * k; pair < end * k; pair += kTile) {
-      tile.run(pair, std::min(kTile, end * k - pair));
+    for (int64_t pair = begin * k; pair < end * k; pair += kMaxTile) {
+      tile.run(pair, std::min(kMaxTile, end * k - pair));
     }
   });
   return out;

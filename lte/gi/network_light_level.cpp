@@ -1,4 +1,4 @@
-#include "lte/gi/reflected_guess.h"
+#include "lte/gi/network_light_level.h"
 
 #include <algorithm>
 #include <utility>
@@ -84,9 +84,9 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
 
 }  // namespace
 
-IrradianceCache reflect_guess(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                              const CacheRecords& records, const RecordLight& light,
-                              const ReflectionOptions& options) {
+IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                    const CacheRecords& records, const RecordLight& light,
+                                    const LevelOptions& options) {
   const std::vector<Rgb>&direct = light.direct, &guess = light.indirect;
   LTE_CHECK(guess.size() == direct.size(), "a guess of indirect light has ", guess.size(),
             " values for ", direct.size(), " records");

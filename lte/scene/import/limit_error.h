@@ -11,24 +11,24 @@ namespace lte::scene {
 
 /// A scene that reaches for more than LoadLimits allow. The message states the fact in the words of
 /// this library; a program that has flags for them names those.
-class Refusal : public Error {
+class LimitError : public Error {
  public:
   using Error::Error;
 };
 
 /// The scene names a file outside the folder of its own; LoadLimits::outside allows it.
-class OutsideFolder : public Refusal {
+class OutsideFolder : public LimitError {
  public:
-  using Refusal::Refusal;
+  using LimitError::LimitError;
 };
 
 /// A cap is too low for the scene.
-class OverLimit : public Refusal {
+class OverLimit : public LimitError {
  public:
   /// @param limit   name of the cap, as parse_limits() has it
   /// @param needed  the value that would do, or 0 where reading stopped before that was known
   OverLimit(const std::string& message, std::string limit, int64_t needed = 0)
-      : Refusal(message), limit_(std::move(limit)), needed_(needed) {}
+      : LimitError(message), limit_(std::move(limit)), needed_(needed) {}
 
   const std::string& limit() const { return limit_; }
   int64_t needed() const { return needed_; }

@@ -1,4 +1,4 @@
-#include "infer/eval/measure/combine.h"
+#include "infer/eval/measure/network_and_paths.h"
 
 #include <algorithm>
 #include <cstdint>

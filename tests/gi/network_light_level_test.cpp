@@ -1,5 +1,5 @@
 // A guess of light gets its level from the scene: closed forms, and the path tracer's light.
-#include "lte/gi/reflected_guess.h"
+#include "lte/gi/network_light_level.h"
 
 #include <gtest/gtest.h>
 
@@ -39,14 +39,14 @@ class EvenlyLitBox : public testing::Test {
     const pathtrace::Lights lights(scene_);
     const CacheRecords records = sample_records(bvh, 1000, 1);
     const auto count = static_cast<size_t>(records.size());
-    ReflectionOptions options;
+    LevelOptions options;
     options.max_depth = max_depth;
-    return mean(reflect_guess(bvh, lights, records,
-                              {std::vector<Rgb>(count, Rgb{kPi, kPi, kPi}),
-                               std::vector<Rgb>(count, Rgb{guess, 2 * guess, 0.5f * guess}),
-                               {},
-                               0},
-                              options),
+    return mean(level_network_light(bvh, lights, records,
+                                    {std::vector<Rgb>(count, Rgb{kPi, kPi, kPi}),
+                                     std::vector<Rgb>(count, Rgb{guess, 2 * guess, 0.5f * guess}),
+                                     {},
+                                     0},
+                                    options),
                 std::vector<Vec3>{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.1f, 0.4f}},
                 std::vector<Vec3>{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}});
   }
@@ -70,7 +70,7 @@ TEST_F(EvenlyLitBox, WithoutAGuessLightIsReflectedOnce) {
 
 TEST_F(EvenlyLitBox, DepthTwoLeavesDirectLightAlone) { EXPECT_NEAR(light(7, 2).x, kPi, 1e-4f); }
 
-TEST(ReflectedGuess, AGuessOfThreeTimesTheLightIsMended) {
+TEST(NetworkLightLevel, AGuessOfThreeTimesTheLightIsMended) {
   const scene::Scene scene = test::furnished_room();
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
@@ -78,7 +78,7 @@ TEST(ReflectedGuess, AGuessOfThreeTimesTheLightIsMended) {
   const RecordLight truth = estimate_records(bvh, lights, records, 512, 4, 2);
   RecordLight guess = truth;
   for (Rgb& value : guess.indirect) value = value * 3;
-  const IrradianceCache mended = reflect_guess(bvh, lights, records, guess, ReflectionOptions());
+  const IrradianceCache mended = level_network_light(bvh, lights, records, guess, LevelOptions());
   const IrradianceCache right(bvh, records, truth.total(), truth.direct);
   double sum = 0, expected = 0;
   int64_t known = 0;
@@ -95,7 +95,7 @@ TEST(ReflectedGuess, AGuessOfThreeTimesTheLightIsMended) {
   EXPECT_NEAR(sum, expected, 0.15 * expected);
 }
 
-TEST(ReflectedGuess, AnotherNumberOfRecordsIsRefused) {
+TEST(NetworkLightLevel, AnotherNumberOfRecordsIsRefused) {
   const scene::Scene scene = test::furnished_room();
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
@@ -103,7 +103,7 @@ TEST(ReflectedGuess, AnotherNumberOfRecordsIsRefused) {
   RecordLight light;
   light.direct.resize(static_cast<size_t>(records.size()));
   light.indirect.resize(3);
-  EXPECT_THROW(reflect_guess(bvh, lights, records, light, ReflectionOptions()), Error);
+  EXPECT_THROW(level_network_light(bvh, lights, records, light, LevelOptions()), Error);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "infer/session/draft.h"
+#include "infer/session/scene_edits.h"
 
 #include <algorithm>
 #include <map>
@@ -27,12 +27,12 @@ bool near(const Rgb& a, const Rgb& b) {
 /// Gives each group meshes and materials that no other shines by.
 class Separation {
  public:
-  explicit Separation(Draft* draft) : draft_(*draft) {}
+  explicit Separation(SceneEdits* edits) : edits_(*edits) {}
 
   void run() {
-    for (scene::Instance& instance : draft_.instances) {
-      const MeshUse use = draft_.meshes[static_cast<size_t>(instance.mesh)];
-      const scene::Material& material = draft_.materials[static_cast<size_t>(use.material)];
+    for (scene::Instance& instance : edits_.instances) {
+      const MeshUse use = edits_.meshes[static_cast<size_t>(instance.mesh)];
+      const scene::Material& material = edits_.materials[static_cast<size_t>(use.material)];
       if (instance.light_group == kNone || !material.emissive()) continue;
       instance.mesh = own_mesh(instance.mesh, use, instance.light_group);
     }
@@ -44,9 +44,9 @@ class Separation {
     if (owner->second == group) return material;
     const auto [copy, is_new] = material_of_.emplace(std::pair(material, group), 0);
     if (is_new) {
-      copy->second = static_cast<int>(draft_.materials.size());
-      draft_.materials.push_back(draft_.materials[static_cast<size_t>(material)]);
-      draft_.material_labels.push_back(draft_.material_labels[static_cast<size_t>(material)]);
+      copy->second = static_cast<int>(edits_.materials.size());
+      edits_.materials.push_back(edits_.materials[static_cast<size_t>(material)]);
+      edits_.material_labels.push_back(edits_.material_labels[static_cast<size_t>(material)]);
     }
     return copy->second;
   }
@@ -55,34 +55,34 @@ class Separation {
     const auto [owner, is_first] = owner_of_mesh_.emplace(mesh, group);
     const int material = own_material(use.material, group);
     if (owner->second == group) {
-      draft_.meshes[static_cast<size_t>(mesh)].material = material;
+      edits_.meshes[static_cast<size_t>(mesh)].material = material;
       return mesh;
     }
     const auto [copy, is_new] = mesh_of_.emplace(std::pair(mesh, group), 0);
     if (is_new) {
-      copy->second = static_cast<int>(draft_.meshes.size());
-      draft_.meshes.push_back({use.base, material});
+      copy->second = static_cast<int>(edits_.meshes.size());
+      edits_.meshes.push_back({use.base, material});
     }
     return copy->second;
   }
 
-  Draft& draft_;
+  SceneEdits& edits_;
   std::map<int, int> owner_of_mesh_, owner_of_material_;
   std::map<std::pair<int, int>, int> mesh_of_, material_of_;
 };
 
 /// What the parts of each luminaire emit.
-std::vector<std::vector<Rgb>> emissions(const Draft& draft) {
-  std::vector<std::vector<Rgb>> out(draft.settings.size());
-  const std::vector<int> group = group_of_material(draft);
+std::vector<std::vector<Rgb>> emissions(const SceneEdits& edits) {
+  std::vector<std::vector<Rgb>> out(edits.settings.size());
+  const std::vector<int> group = group_of_material(edits);
   for (size_t m = 0; m < group.size(); ++m) {
     if (group[m] != kNone)
-      out[static_cast<size_t>(group[m])].push_back(draft.materials[m].emission);
+      out[static_cast<size_t>(group[m])].push_back(edits.materials[m].emission);
   }
-  for (const scene::PunctualLight& light : draft.lights)
+  for (const scene::PunctualLight& light : edits.lights)
     out[static_cast<size_t>(light.light_group)].push_back(light.intensity);
-  if (draft.environment)
-    out[static_cast<size_t>(draft.environment->light_group)].push_back(draft.environment->radiance);
+  if (edits.environment)
+    out[static_cast<size_t>(edits.environment->light_group)].push_back(edits.environment->radiance);
   return out;
 }
 
@@ -120,12 +120,12 @@ bool all_same(const std::vector<T>& a, const std::vector<T>& b, const Same& same
 Rgb LightSetting::scale() const {
   const auto factor = static_cast<float>(gain);
   if (!color) return {factor, factor, factor};
-  const Rgb from = hue.value_or(Rgb{1, 1, 1});
+  const Rgb from = tint.value_or(Rgb{1, 1, 1});
   return Rgb{color->x / from.x, color->y / from.y, color->z / from.z} * factor;
 }
 
-int64_t Draft::bytes() const {
-  size_t bytes = sizeof(Draft) + instances.size() * sizeof(scene::Instance) +
+int64_t SceneEdits::bytes() const {
+  size_t bytes = sizeof(SceneEdits) + instances.size() * sizeof(scene::Instance) +
                  meshes.size() * sizeof(MeshUse) + materials.size() * sizeof(scene::Material) +
                  lights.size() * sizeof(scene::PunctualLight) +
                  settings.size() * sizeof(LightSetting) +
@@ -142,82 +142,82 @@ std::string unused_name(const std::string& name, const std::vector<std::string>&
   return out;
 }
 
-std::vector<int> group_of_material(const Draft& draft) {
-  std::vector<int> group(draft.materials.size(), kNone);
-  for (const scene::Instance& instance : draft.instances) {
+std::vector<int> group_of_material(const SceneEdits& edits) {
+  std::vector<int> group(edits.materials.size(), kNone);
+  for (const scene::Instance& instance : edits.instances) {
     const auto material =
-        static_cast<size_t>(draft.meshes[static_cast<size_t>(instance.mesh)].material);
-    if (draft.materials[material].emissive()) group[material] = instance.light_group;
+        static_cast<size_t>(edits.meshes[static_cast<size_t>(instance.mesh)].material);
+    if (edits.materials[material].emissive()) group[material] = instance.light_group;
   }
   return group;
 }
 
-void describe_lights(Draft* draft) {
-  const std::vector<std::vector<Rgb>> parts = emissions(*draft);
+void describe_lights(SceneEdits* edits) {
+  const std::vector<std::vector<Rgb>> parts = emissions(*edits);
   for (size_t g = 0; g < parts.size(); ++g) {
-    LightSetting& setting = draft->settings[g];
+    LightSetting& setting = edits->settings[g];
     setting.brightness = 0;
-    setting.hue = parts[g].empty() ? Rgb{1, 1, 1} : hue_of(parts[g].front());
+    setting.tint = parts[g].empty() ? Rgb{1, 1, 1} : hue_of(parts[g].front());
     for (const Rgb& emission : parts[g]) {
       setting.brightness = std::max(setting.brightness, max_component(emission));
-      if (setting.hue && !near(*setting.hue, hue_of(emission))) setting.hue.reset();
+      if (setting.tint && !near(*setting.tint, hue_of(emission))) setting.tint.reset();
     }
   }
 }
 
-Draft make_draft(const scene::Scene& scene, NextIds* ids) {
-  Draft draft;
-  draft.base_meshes = scene.meshes.size();
-  draft.base_materials = scene.materials.size();
+SceneEdits make_edits(const scene::Scene& scene, NextIds* ids) {
+  SceneEdits edits;
+  edits.base_meshes = scene.meshes.size();
+  edits.base_materials = scene.materials.size();
   for (size_t m = 0; m < scene.meshes.size(); ++m)
-    draft.meshes.push_back({static_cast<int>(m), scene.meshes[m].material});
-  draft.instances = scene.instances;
-  draft.materials = scene.materials;
-  draft.lights = scene.lights;
-  draft.environment = scene.environment;
+    edits.meshes.push_back({static_cast<int>(m), scene.meshes[m].material});
+  edits.instances = scene.instances;
+  edits.materials = scene.materials;
+  edits.lights = scene.lights;
+  edits.environment = scene.environment;
   std::map<std::string, int> used;
   const auto unique = [&](const std::string& kind, const std::string& name) {
     const int number = ++used[kind + name];
     return number == 1 ? name : concat(name, "#", number);
   };
   for (const scene::Material& material : scene.materials)
-    draft.material_labels.push_back({ids->material++, unique("m", material.name)});
+    edits.material_labels.push_back({ids->material++, unique("m", material.name)});
   for (const std::string& name : scene.light_groups) {
     LightSetting setting;
     setting.label = {ids->light++, unique("l", name)};
-    draft.settings.push_back(std::move(setting));
+    edits.settings.push_back(std::move(setting));
   }
   for (const scene::Instance& instance : scene.instances) {
     const std::string& name = instance.light_group != kNone
                                   ? scene.light_groups[static_cast<size_t>(instance.light_group)]
                                   : scene.meshes[static_cast<size_t>(instance.mesh)].name;
-    draft.instance_labels.push_back({ids->instance++, unique("i", name)});
+    edits.instance_labels.push_back({ids->instance++, unique("i", name)});
   }
-  Separation(&draft).run();
-  describe_lights(&draft);
-  return draft;
+  Separation(&edits).run();
+  describe_lights(&edits);
+  return edits;
 }
 
-scene::Scene make_scene(const scene::Scene& base, const Draft& draft, bool lit) {
+scene::Scene make_scene(const scene::Scene& base, const SceneEdits& edits, bool lit) {
   scene::Scene out;
   out.name = base.name;
   out.unit = base.unit;
   out.ignored = base.ignored;
   out.textures = base.textures;
   out.cameras = base.cameras;
-  out.meshes.reserve(draft.meshes.size());
-  for (const MeshUse& use : draft.meshes) {
+  out.meshes.reserve(edits.meshes.size());
+  for (const MeshUse& use : edits.meshes) {
     out.meshes.push_back(base.meshes[static_cast<size_t>(use.base)]);
     out.meshes.back().material = use.material;
   }
-  out.instances = draft.instances;
-  out.materials = draft.materials;
-  out.lights = draft.lights;
-  out.environment = draft.environment;
-  for (const LightSetting& setting : draft.settings) out.light_groups.push_back(setting.label.name);
+  out.instances = edits.instances;
+  out.materials = edits.materials;
+  out.lights = edits.lights;
+  out.environment = edits.environment;
+  for (const LightSetting& setting : edits.settings) out.light_groups.push_back(setting.label.name);
   if (!lit) return out;
-  const auto scale = [&](int group) { return draft.settings[static_cast<size_t>(group)].scale(); };
-  const std::vector<int> group = group_of_material(draft);
+  const auto scale = [&](int group) { return edits.settings[static_cast<size_t>(group)].scale(); };
+  const std::vector<int> group = group_of_material(edits);
   for (size_t m = 0; m < group.size(); ++m) {
     if (group[m] != kNone) out.materials[m].emission *= scale(group[m]);
   }
@@ -226,11 +226,11 @@ scene::Scene make_scene(const scene::Scene& base, const Draft& draft, bool lit) 
   return out;
 }
 
-bool same_geometry(const Draft& a, const Draft& b) {
+bool same_geometry(const SceneEdits& a, const SceneEdits& b) {
   return a.meshes == b.meshes && all_same(a.instances, b.instances, same_instance);
 }
 
-bool same_points(const Draft& a, const Draft& b) {
+bool same_points(const SceneEdits& a, const SceneEdits& b) {
   const auto same_id = [](const LightSetting& s, const LightSetting& t) {
     return s.label.id == t.label.id;
   };
@@ -240,7 +240,7 @@ bool same_points(const Draft& a, const Draft& b) {
          all_same(a.settings, b.settings, same_id);
 }
 
-bool same_scene(const Draft& a, const Draft& b) {
+bool same_scene(const SceneEdits& a, const SceneEdits& b) {
   const auto same_gain = [](const LightSetting& s, const LightSetting& t) {
     return s.scale() == t.scale();
   };
@@ -255,8 +255,8 @@ Bounds placed_bounds(const scene::Mesh& mesh, const Affine& to_world) {
   return bounds;
 }
 
-std::optional<std::vector<Bounds>> changed_places(const scene::Scene& base, const Draft& before,
-                                                  const Draft& now) {
+std::optional<std::vector<Bounds>> changed_places(const scene::Scene& base,
+                                                  const SceneEdits& before, const SceneEdits& now) {
   const auto same_role = [](const scene::Instance& a, const scene::Instance& b) {
     return a.mesh == b.mesh && a.light_group == b.light_group;
   };
@@ -289,12 +289,12 @@ size_t index_of(const std::vector<Label>& labels, int id, const char* what) {
   return static_cast<size_t>(found - labels.begin());
 }
 
-size_t group_of(const Draft& draft, int id) {
+size_t group_of(const SceneEdits& edits, int id) {
   const auto found =
-      std::find_if(draft.settings.begin(), draft.settings.end(),
+      std::find_if(edits.settings.begin(), edits.settings.end(),
                    [&](const LightSetting& setting) { return setting.label.id == id; });
-  LTE_CHECK(found != draft.settings.end(), "there is no luminaire of the number ", id);
-  return static_cast<size_t>(found - draft.settings.begin());
+  LTE_CHECK(found != edits.settings.end(), "there is no luminaire of the number ", id);
+  return static_cast<size_t>(found - edits.settings.begin());
 }
 
 }  // namespace lte::infer

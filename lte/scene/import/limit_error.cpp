@@ -1,4 +1,4 @@
-#include "lte/scene/import/refusal.h"
+#include "lte/scene/import/limit_error.h"
 
 namespace lte::scene {
 

@@ -1,6 +1,6 @@
 // Baselines at equal paths: the light that the network reads, a denoiser, and the picture combined
 // from network and denoised paths.
-#include "infer/eval/measure/combine.h"
+#include "infer/eval/measure/network_and_paths.h"
 
 #include <cmath>
 #include <vector>
@@ -40,7 +40,7 @@ TEST(CachedLight, OfEqualEstimatesIsTheirValueWhateverTheNetwork) {
   points.indirect_error = exact;
   const runtime::Network network = network_reading(nn::LightInput::Traced, folder);
   const std::vector<Rgb> found = runtime::SceneEmbedding(network, points)
-                                     .cached_light({points.position, points.normal, points.albedo});
+                                     .light_prior({points.position, points.normal, points.albedo});
   ASSERT_EQ(found.size(), light.size());
   for (const Rgb& value : found) {  // the cache adds 2 % of the mean everywhere
     EXPECT_NEAR(value.x, 2 * 1.02, 0.01);
@@ -55,7 +55,7 @@ TEST(CachedLight, IsNothingWhereTheNetworkIsGivenNone) {
   const runtime::ScenePoints points = points_of(sample);
   const runtime::Network network = network_reading(nn::LightInput::Emission, folder);
   EXPECT_TRUE(runtime::SceneEmbedding(network, points)
-                  .cached_light({points.position, points.normal, points.albedo})
+                  .light_prior({points.position, points.normal, points.albedo})
                   .empty());
 }
 

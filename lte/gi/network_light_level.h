@@ -17,7 +17,7 @@
 
 namespace lte::gi {
 
-struct ReflectionOptions {
+struct LevelOptions {
   int rays = 4;       ///< a point of a record, of which it has up to kRecordPoints
   int max_depth = 5;  ///< surface hits of a path of light that a gather over the cache is to find
   uint64_t seed = 0;
@@ -35,8 +35,8 @@ struct ReflectionOptions {
 /// @param light  of the records: direct light, and the guess in the place of indirect light
 /// @return       the cache of direct light and what became of the guess
 /// @throws lte::Error if sizes differ, a value is not finite, or a count is out of range.
-IrradianceCache reflect_guess(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                              const CacheRecords& records, const RecordLight& light,
-                              const ReflectionOptions& options);
+IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                    const CacheRecords& records, const RecordLight& light,
+                                    const LevelOptions& options);
 
 }  // namespace lte::gi
