@@ -39,7 +39,8 @@ std::pair<double, double> area_and_power(const std::vector<size_t>& indices,
 }
 
 /// Brings the areas of each luminaire's samples to the area of its surfaces, which the number of
-/// strata that met it gives to within one only.
+/// strata that met it gives to within one only. Where there are too many luminaires for each to be
+/// met, those that are stand for the others as well, and keep the areas of their strata.
 void set_luminaire_areas(const scene::Scene& scene, const ByGroup& luminaires,
                          const std::vector<size_t>& lost, scene::SurfaceSamples* samples) {
   ByGroup lost_of;
@@ -48,16 +49,20 @@ void set_luminaire_areas(const scene::Scene& scene, const ByGroup& luminaires,
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const scene::Instance& instance = scene.instances[i];
     const bool emits = scene.materials[scene.meshes[instance.mesh].material].emissive();
-    if (emits && luminaires.contains(instance.light_group))
-      instances[instance.light_group].push_back(static_cast<int>(i));
+    if (emits) instances[instance.light_group].push_back(static_cast<int>(i));
   }
-  for (const auto& [group, indices] : luminaires) {
-    const double drawn =
-        area_and_power(indices, *samples).first + area_and_power(lost_of[group], *samples).first;
-    const double whole =
-        scene::AreaTable(scene, scene::emitting_faces(scene, instances[group])).total();
-    if (drawn > 0 && whole > 0) scale_areas(indices, whole / drawn, samples);
+  std::map<int, double> factors;
+  for (const auto& [group, parts] : instances) {
+    const double whole = scene::AreaTable(scene, scene::emitting_faces(scene, parts)).total();
+    if (!(whole > 0)) continue;
+    const auto met = luminaires.find(group);
+    if (met == luminaires.end() && !lost_of.contains(group)) return;
+    if (met == luminaires.end()) continue;
+    const double drawn = area_and_power(met->second, *samples).first +
+                         area_and_power(lost_of[group], *samples).first;
+    if (drawn > 0) factors[group] = whole / drawn;
   }
+  for (const auto& [group, factor] : factors) scale_areas(luminaires.at(group), factor, samples);
 }
 
 /// Keeps `count` samples of a set, scaling areas so that they emit what all did.

@@ -125,6 +125,23 @@ TEST(ReachLights, LuminairesThatWouldTakeMoreThanHalfKeepTheirPower) {
   EXPECT_NEAR(std::accumulate(found.begin(), found.end(), 0.0), all, 1e-5 * all);
 }
 
+/// Nine hundred lamps and a hundred points: those of the lamps that get one shine for all.
+TEST(ReachLights, LuminairesThatAreTooManyToBeMetKeepTheirPowerTogether) {
+  scene::Scene scene = test::dark_room();
+  constexpr int kSide = 30;
+  constexpr double kStrength = 2.0 * 0.02 * 0.03;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const float x = 0.1f + 0.12f * static_cast<float>(i % kSide);
+    const float z = 0.1f + 0.09f * static_cast<float>(i / kSide);
+    test::add_lamp(&scene, {x, 2.4f, z}, 0.02f, 0.03f, {2, 1, 1});
+  }
+  const SurfaceSamples samples = scene_points(scene, 100);
+  const std::vector<double> found = test::strengths(samples, kSide * kSide);
+  EXPECT_LT(std::count_if(found.begin(), found.end(), [](double s) { return s > 0; }), 100);
+  const double all = kSide * kSide * kStrength;
+  EXPECT_NEAR(std::accumulate(found.begin(), found.end(), 0.0), all, 1e-3 * all);
+}
+
 /// A lamp drawn six times, a quarter of whose points shine, beside ten points of the floor.
 TEST(ReachLights, WhatLeavesIsMadeGoodByWhatStays) {
   scene::Scene scene;
