@@ -26,14 +26,15 @@ struct ProbeFlags {
   bool has_rays = false, validate_only = false;
 };
 
-pathtrace::ProbeResult run(const scene::Scene& scene, const scene::PointTable& points,
-                           pathtrace::ProbeOptions options) {
+pathtrace::ProbeResult run(const scene::Scene& scene, const std::string& file,
+                           scene::PointTable points, pathtrace::ProbeOptions options) {
   const bool by_paths = options.target_error > 0;
   Progress progress("probing", by_paths ? 0 : static_cast<int64_t>(points.size()),
                     by_paths ? "paths" : "points");
   options.done = [&progress](int64_t count) { progress.advance(count); };
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
+  settle_points(bvh, file, &points);
   return probe(bvh, lights, points, options);
 }
 
@@ -59,7 +60,7 @@ void run_probe(ProbeFlags* flags) {
   if (flags->probe.target_error > 0 && !flags->has_rays) flags->probe.rays = kDefaultCap;
   const scene::PointTable points = scene::read_point_table(flags->points);
   const Timer timer;
-  const pathtrace::ProbeResult result = run(scene, points, flags->probe);
+  const pathtrace::ProbeResult result = run(scene, flags->points, points, flags->probe);
   scene::write_point_table(flags->out, points, probe_columns(result));
   if (result.missed > 0) {
     log_warning(result.missed, " of ", points.lines.size(), " points are above --target-error ",

@@ -19,6 +19,7 @@
 #include "lte/cli/writable.h"
 #include "lte/embed/culled_lights.h"
 #include "lte/embed/untrained_light.h"
+#include "lte/pathtrace/probe.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 
@@ -173,6 +174,7 @@ void run_probe(const ProbeRequest& request) {
     log_warning(request.scene,
                 ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
   pathtrace::warn_of_lost_light(request.scene, renderer.bvh());
+  pathtrace::settle_points(renderer.bvh(), request.points, &points);
   const std::optional<runtime::Network> network =
       load_network(request, scene, renderer.has_light());
   files.check_what_was_read();

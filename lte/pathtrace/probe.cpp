@@ -5,9 +5,11 @@
 #include <span>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/adaptive.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/placement/onto_surfaces.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -82,6 +84,13 @@ ProbeResult probe(const Bvh& bvh, const Lights& lights, const scene::PointTable&
     probe_adaptive(bvh, lights, points, options, &result);
   }
   return result;
+}
+
+void settle_points(const Bvh& bvh, const std::string& file, scene::PointTable* points) {
+  const int64_t moved = move_onto_surfaces(bvh, points->normal, &points->position);
+  if (moved > 0)
+    log_info(file, ": ", moved, " of ", points->size(),
+             " points lay a little behind a surface and were moved onto it");
 }
 
 scene::PointColumns probe_columns(const ProbeResult& result) {

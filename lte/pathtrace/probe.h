@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "lte/base/math.h"
@@ -34,6 +35,10 @@ struct ProbeResult {
 /// @throws lte::Error if options are out of range.
 ProbeResult probe(const Bvh& bvh, const Lights& lights, const scene::PointTable& points,
                   const ProbeOptions& options);
+
+/// move_onto_surfaces() of a table's points. A line says so where that is more than rounding.
+/// @param file  the table's, for that line
+void settle_points(const Bvh& bvh, const std::string& file, scene::PointTable* points);
 
 /// total_r,g,b, direct_r,g,b, stderr_r,g,b and rays.
 scene::PointColumns probe_columns(const ProbeResult& result);
