@@ -85,7 +85,7 @@ function(lte_add_tool name source)
   # A main parses its command line, which is CLI11's templates and no work.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_link_libraries(${name} PRIVATE lte::warnings ${ARGN})
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 endfunction()
 
 # lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...] [PCH TARGET] [OWN_WAITING]): one executable

@@ -1,8 +1,10 @@
 // The door of builds without LibTorch: every way to a network ends here, in the same line.
 #include <exception>
 
+#include "lte/base/parallel.h"
 #include "lte/runtime/attention.h"
 #include "lte/runtime/device.h"
+#include "lte/runtime/device_memory.h"
 #include "lte/runtime/embedding.h"
 #include "lte/runtime/embedding_file.h"
 #include "lte/runtime/network.h"
@@ -31,6 +33,7 @@ T none() {
 struct Network::State {};
 struct SceneEmbedding::State {};
 struct SceneAttention::Parts {};
+struct StreamScope::Guard {};
 
 Network::Network(const std::filesystem::path&, const NetworkOptions&) { require_networks(); }
 const ModelConfig& Network::config() const { return none<const ModelConfig&>(); }
@@ -93,6 +96,17 @@ std::vector<float> SceneAttention::interpolate(std::span<const float>, std::span
   return none<std::vector<float>>();
 }
 
+SceneEmbedding encode(const Network&, const ScenePointsIn&, const EncodeOptions&) {
+  return none<SceneEmbedding>();
+}
+void decode(const SceneEmbedding&, const QueriesIn&, const TriplesOut&) { require_networks(); }
+void decode_radiance(const SceneEmbedding&, const QueriesIn&, const TriplesIn&, int64_t,
+                     const TriplesOut&) {
+  require_networks();
+}
+StreamScope::StreamScope(Device, void*) {}
+StreamScope::~StreamScope() = default;
+
 double mean_emission(const ScenePoints&) { return none<double>(); }
 
 Device cuda_device(int) { return none<Device>(); }
@@ -100,6 +114,6 @@ Device choose_device(const std::string&, const std::string&) { return none<Devic
 void warn_of_slow_bf16(const std::string&, Device) { require_networks(); }
 // LibTorch's own pool is not there.
 void set_torch_threads(int) {}
-int torch_threads() { return 0; }
+int torch_threads() { return num_threads(); }
 
 }  // namespace lte::runtime

@@ -20,16 +20,17 @@ namespace {
 namespace fs = std::filesystem;
 using test::CommandOutcome;
 
-template <typename Request, typename Add, typename Run>
-CommandOutcome run(const char* tool, const Add& add, const Run& body, const std::string& rest) {
-  CLI::App app{"", tool};
-  Request request;
-  add(app, &request);
-  return test::run_command(app, split("--quiet " + rest), [&] { body(request); });
-}
-
 class NoNetwork : public test::InFolder {
  protected:
+  template <typename Request, typename Add, typename Run>
+  static CommandOutcome run(const char* tool, const Add& add, const Run& body,
+                            const std::string& rest) {
+    CLI::App app{"", tool};
+    Request request;
+    add(app, &request);
+    return test::run_command(app, split("--quiet " + rest), [&] { body(request); });
+  }
+
   NoNetwork() {
     scene::write_glb("floor.glb", test::lit_floor());
     test::write_text("points.csv", "px,py,pz,nx,ny,nz\n0.5,0,0,0,1,0\n-1,0,0.50,0,2,0\n");

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Makes what a release consists of, in out/release: Debian packages lte and lte-dev, an archive of
+# each, the Python wheel, the changelog's part, and SHA256SUMS. Without LibTorch and the network.
+#
+# usage: scripts/release.sh [--no-wheel]
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+wheel=1
+case "${1:-}" in
+  "") ;;
+  --no-wheel) wheel= ;;
+  --help | -h) sed -n '2,5s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+  *) echo "release: unknown argument $1; see --help" >&2; exit 2 ;;
+esac
+scripts/setup.sh --packages
+version=$(sed -n 's/^project(lte VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+out=out/release build=out/release-build
+rm -rf "$out"
+mkdir -p "$out"
+cmake --preset no-torch -B "$build" -DLTE_RELOCATABLE=ON -DLTE_TESTS=OFF >/dev/null
+cmake --build "$build"
+(cd "$build" && cpack -B packages >/dev/null)
+mv "$build"/packages/*.deb "$build"/packages/*.tar.gz "$out/"
+if [ -n "$wheel" ]; then
+  scripts/dev/wheel.sh
+  cp out/wheel/lte-*.whl "$out/"
+fi
+# Unreleased, until there is a part of this version.
+awk -v part="## $version" '
+  /^## / { on = index($0, part) == 1 || (!found && $0 == "## Unreleased"); found = found || on }
+  on' CHANGELOG.md >"$out/CHANGES.md"
+(cd "$out" && sha256sum -- * >SHA256SUMS)
+echo "release: $out"
+ls -sh "$out"
