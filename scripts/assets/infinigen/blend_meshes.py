@@ -1,5 +1,5 @@
-"""Takes the meshes and lamps of a room out of Infinigen's .blend: modifiers and instances applied,
-panes and lamp covers left out, triangles decimated. Needs bpy."""
+"""Takes the meshes, lamps and panes of a room out of Infinigen's .blend: modifiers and instances
+applied, glass and lamp covers left out of the meshes, triangles decimated. Needs bpy."""
 import bpy
 import mathutils
 import numpy as np
@@ -21,6 +21,12 @@ class Lamp:
             if node.type == "BLACKBODY":
                 self.kelvin = node.inputs["Temperature"].default_value
         self.owner = light.parent.name if light.parent else ""
+
+
+class Pane:
+    """The glass of a window, seen from inside: positions [V, 3] in the world, triangles [T, 3]."""
+    def __init__(self, window, positions, triangles):
+        self.window, self.positions, self.triangles = window, positions, triangles
 
 
 def room_part(name):
@@ -102,6 +108,27 @@ def drop_see_through(obj):
         keep_faces(mesh, keep)
 
 
+def pane_of(obj, inside):
+    """The Pane of a window, of faces that look at the place `inside`; None of anything else."""
+    glass = [is_glass(m) for m in obj.data.materials]
+    if "Window" not in obj.name or not any(glass):
+        return None
+    obj.data.calc_loop_triangles()
+    turn = np.array(obj.matrix_world)
+    positions = np.array([v.co for v in obj.data.vertices]) @ turn[:3, :3].T + turn[:3, 3]
+    kept = []
+    for t in obj.data.loop_triangles:
+        a, b, c = positions[list(t.vertices)]
+        normal = np.cross(b - a, c - a)
+        upright = abs(normal[2]) < np.abs(normal).max()  # no edge of the glass
+        if glass[min(t.material_index, len(glass) - 1)] and upright and normal @ (inside - a) > 0:
+            kept.append(t.vertices)
+    if not kept:
+        return None
+    used, triangles = np.unique(np.array(kept), return_inverse=True)
+    return Pane(obj.name, positions[used], triangles.reshape(-1, 3))
+
+
 def loose_parts(mesh):
     """[faces] int: the connected part that each face belongs to."""
     parent = np.arange(len(mesh.vertices))
@@ -172,7 +199,7 @@ def take_out(cap):
     """Replaces the scene's objects by plain meshes of at most `cap` triangles near the furnished
     room.
 
-    @return (name of the room, (low, high) of its floor, [bpy objects], [Lamp])
+    @return (name of the room, (low, high) of its floor, [bpy objects], [Lamp], [Pane])
     """
     instances = visible_instances()
     room, (low, high) = furnished_room(instances)
@@ -197,10 +224,12 @@ def take_out(cap):
         bpy.context.scene.collection.objects.link(obj)
         made.append(obj)
     bpy.context.view_layer.update()
+    panes = [pane_of(obj, (low + high) / 2 + [0, 0, 1]) for obj in made]
     for obj, (name, _, _) in zip(made, taken):
         drop_see_through(obj)
         for lamp in lamps:
             if lamp.owner == name:
                 free_lamp(obj, lamp)
         decimate(obj, cap)
-    return room, (low, high), [o for o in made if len(o.data.polygons)], lamps
+    objects = [o for o in made if len(o.data.polygons)]
+    return room, (low, high), objects, lamps, [p for p in panes if p]

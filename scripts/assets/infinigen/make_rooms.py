@@ -4,7 +4,8 @@ generates a home with one furnished room, keeps its .blend, and exports the room
 
 usage: out/infinigen-venv/bin/python scripts/assets/infinigen/make_rooms.py [KIND ...] [flags]
 
-KIND is one of bathroom, bedroom, dining_room, kitchen, living_room; all of them by default.
+KIND is one of bathroom, bedroom, dining_room, kitchen, living_room and living_room_day, which is
+the same room by daylight; all of them by default.
   --out DIR           where infinigen_KIND.glb goes (default assets/scenes/outside)
   --work DIR          where the .blend files and logs are kept (default out/infinigen)
   --generate-only     stops before the export
@@ -32,6 +33,8 @@ ROOMS = {
     "kitchen": ("Kitchen", 3),
     "living_room": ("LivingRoom", 4),
 }
+DAY = "_day"  # after a kind: its room by daylight
+KINDS = [*ROOMS, "living_room" + DAY]
 # Fewer steps than fast_solve.gin has: these are a test set, not a product.
 OVERRIDES = [
     "compose_indoors.terrain_enabled=False",
@@ -76,24 +79,26 @@ def generate(kind, folder):
 
 
 def export(kind, blend, out, work, triangles):
-    room, seed = ROOMS[kind]
+    room, seed = ROOMS[kind.removesuffix(DAY)]
     script = pathlib.Path(__file__).resolve().with_name("export_room.py")
     out.mkdir(parents=True, exist_ok=True)
     return run([sys.executable, str(script), str(blend), str(out / f"infinigen_{kind}.glb"),
-                "--room", room, "--seed", str(seed), "--triangles", str(triangles)],
+                "--room", room, "--seed", str(seed), "--triangles", str(triangles),
+                *(["--daylight"] if kind.endswith(DAY) else [])],
                work / f"{kind}_export.log", ROOT)
 
 
 def make(kind, out, work, args):
     """Whether the room of a kind was generated, where that was missing, and exported."""
-    start, blend = time.time(), work / kind / "scene.blend"
+    home = kind.removesuffix(DAY)
+    start, blend = time.time(), work / home / "scene.blend"
     if not blend.is_file():
         if args.export_only:
             print(f"make_rooms: {blend} is missing", file=sys.stderr)
             return False
-        if not generate(kind, work / kind):
+        if not generate(home, work / home):
             return False
-        print(f"{kind}: generated in {time.time() - start:.0f} s", flush=True)
+        print(f"{home}: generated in {time.time() - start:.0f} s", flush=True)
     if args.generate_only:
         return True
     start = time.time()
@@ -113,11 +118,11 @@ def main():
     parser.add_argument("--triangles", type=int, default=200000)
     args = parser.parse_args()
     for kind in args.kinds:
-        if kind not in ROOMS:
-            parser.error(f"no kind {kind!r}; there are {', '.join(sorted(ROOMS))}")
+        if kind not in KINDS:
+            parser.error(f"no kind {kind!r}; there are {', '.join(KINDS)}")
     out, work = args.out.resolve(), args.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
-    failed = [k for k in args.kinds or ROOMS if not make(k, out, work, args)]
+    failed = [k for k in args.kinds or KINDS if not make(k, out, work, args)]
     rooms_table.write(out)
     if failed:
         sys.exit(f"make_rooms: not made: {', '.join(failed)}")

@@ -10,11 +10,12 @@ BSD 3-clause license (Princeton University), and the rooms hold only what it gen
 
 Against Infinigen's own rooms: modifiers and instances are applied and meshes decimated; materials
 are matt, with the base color baked; panes and covers of lamps are left out, and a lamp is a sphere
-of its radius and power; there is no daylight. Rooms next door are there as far as light from the
-furnished room reaches them.
+of its radius and power. By day lamps are out, and panes shine inwards as an overcast sky does
+through frosted glass. Rooms next door are there as far as light from the furnished room reaches
+them.
 
-| file | room | seed | made by | triangles | lamps | MB |
-|---|---|---|---|---|---|---|
+| file | room | seed | made by | triangles | lamps | panes | MB |
+|---|---|---|---|---|---|---|---|
 """
 
 
@@ -31,6 +32,7 @@ def write(folder):
         extras = header(path)["asset"]["extras"]
         rows.append(f"| {path.name} | {extras['room']} | {extras['seed']} | {extras['source']} | "
                     f"{extras['triangles']} | {extras['lamps']} | "
+                    f"{extras.get('panes', 0)} | "
                     f"{path.stat().st_size / 1e6:.1f} |\n")
     if rows:
         (folder / "infinigen.md").write_text(HEAD + "".join(rows))

@@ -1,4 +1,4 @@
-"""Writes surfaces, lamps and a camera as one .glb, its meshes by Draco. In the file y is up."""
+"""Writes surfaces, lamps, panes and a camera as one .glb, its meshes by Draco. In the file y is up."""
 import json
 import math
 import struct
@@ -146,19 +146,28 @@ class Glb:
         mesh = self.add("meshes", {"name": name, "primitives": primitives})
         self.add_node({"name": name, "mesh": mesh})
 
+    def add_emitter(self, name, positions, triangles, light):
+        """light: linear radiance in W/(m² sr)."""
+        strength = float(np.max(light))
+        material = self.add("materials", {
+            "name": name, "emissiveFactor": [round(float(c), 4) for c in light / strength],
+            "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0},
+            "extensions": {"KHR_materials_emissive_strength": {
+                "emissiveStrength": round(strength, 3)}}})
+        primitive = self.primitive(positions @ Y_UP.T, triangles, material)
+        return self.add("meshes", {"name": name, "primitives": [primitive]})
+
     def add_lamp(self, name, center, radius, watts, kelvin):
         """A sphere of a point light's radius and power: L = watts / (pi area)."""
         positions, triangles = sphere(radius)
-        color = blackbody(kelvin)
-        strength = watts / (math.pi * area(positions, triangles)) * color.max()
-        material = self.add("materials", {
-            "name": name, "emissiveFactor": [round(float(c), 4) for c in color / color.max()],
-            "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0},
-            "extensions": {"KHR_materials_emissive_strength": {
-                "emissiveStrength": round(float(strength), 3)}}})
-        primitive = self.primitive(positions @ Y_UP.T, triangles, material)
-        mesh = self.add("meshes", {"name": name, "primitives": [primitive]})
+        light = watts / (math.pi * area(positions, triangles)) * blackbody(kelvin)
+        mesh = self.add_emitter(name, positions, triangles, light)
         self.add_node({"name": name, "mesh": mesh, "translation": (Y_UP @ center).tolist()})
+
+    def add_pane(self, name, positions, triangles, radiance, kelvin):
+        """Shines to the side that its triangles are wound for."""
+        self.add_node({"name": name, "mesh": self.add_emitter(
+            name, positions, triangles, radiance * blackbody(kelvin))})
 
     def add_camera(self, eye, yaw, pitch, yfov):
         camera = self.add("cameras", {"type": "perspective", "name": "camera", "perspective": {
