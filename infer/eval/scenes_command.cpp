@@ -98,7 +98,8 @@ CLI::App* add_scenes_command(CLI::App& app, ScenesRequest* r) {
           "--methods", r->methods,
           concat("Any of network (rays gather its light), decoded (its answer at every pixel "
                  "without rays, as programs without a BVH get it from the C interface), "
-                 "gather, paths-N, paths-N-denoised; default: ",
+                 "gather (as --quality preview), gather-draft, gather-final, paths-N, "
+                 "paths-N-denoised; default: ",
                  kDefaultSceneMethods))
       ->delimiter(',')
       ->allow_extra_args(false);

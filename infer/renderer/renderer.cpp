@@ -38,9 +38,10 @@ RenderSettings with_quality(Quality quality, RenderSettings settings) {
       settings.denoise_quality = image::OidnQuality::Fast;
       break;
     case Quality::Preview:
-      // One pass: what samples of a point are stratified together is worth more than jitter.
+      // One pass: what samples of a point are stratified together is worth more than jitter. As
+      // many rays as light samples: they complete each other (lte/render/gather.cpp).
       settings.passes = 1;
-      settings.gather_rays *= 3;
+      settings.gather_rays *= 8;
       settings.light_samples *= 8;
       settings.denoise_quality = image::OidnQuality::Balanced;
       break;

@@ -39,8 +39,9 @@ struct Gathered {
 /// part of what a ray stands for, and for paths cut at max_depth. Where the cache's light has depth
 /// d, the result has depth d + 1.
 ///
-/// Point i draws from stream (seed, first_index + i): the result depends neither on threads nor on
-/// how a set is cut into calls.
+/// Point i has the number first_index + i, by which it draws random numbers: the result depends
+/// neither on threads nor on how a set is cut into calls. Rays of 64 points whose numbers follow
+/// each other are stratified together, so neighbors should have neighboring numbers.
 /// @param geometric_normals  of the surfaces, where `normals` are shading normals: no light arrives
 ///                           from below them. Empty where they are the same.
 /// @throws lte::Error as pathtrace::estimate_irradiance()

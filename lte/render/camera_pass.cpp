@@ -18,20 +18,29 @@ namespace {
 
 using pathtrace::PixelRadiance;
 
-constexpr int kTile = 8;  // neighbours in space are neighbours in blocks of rays
+constexpr int kTileBits = 3, kTile = 1 << kTileBits;
 constexpr int64_t kStripPixels = int64_t{1} << 15;
 /// Camera rays for the emission of a pixel at a lamp's edge.
 constexpr int kLampRays = 128;
 constexpr uint64_t kPaths = 43;  // random numbers of path passes
 
-/// The pixels of some rows tile by tile.
+/// The even bits of a number.
+constexpr int even_bits(int number) {
+  int out = 0;
+  for (int bit = 0; bit < kTileBits; ++bit) out |= (number >> bit) & (1 << bit);
+  return out;
+}
+
+/// The pixels of some rows tile by tile, those of a tile along Morton's curve: neighbors in space
+/// are neighbors in blocks of rays, and share what stratifies them (lte/gi/gather.h).
 std::vector<size_t> tiled(int width, int first, int last) {
   std::vector<size_t> out;
   out.reserve(static_cast<size_t>(width) * static_cast<size_t>(last - first));
   for (int top = first; top < last; top += kTile) {
     for (int left = 0; left < width; left += kTile) {
-      for (int y = top; y < std::min(top + kTile, last); ++y) {
-        for (int x = left; x < std::min(left + kTile, width); ++x)
+      for (int k = 0; k < kTile * kTile; ++k) {
+        const int x = left + even_bits(k), y = top + even_bits(k >> 1);
+        if (x < width && y < last)
           out.push_back(static_cast<size_t>(y) * static_cast<size_t>(width) +
                         static_cast<size_t>(x));
       }

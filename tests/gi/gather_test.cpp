@@ -213,6 +213,31 @@ TEST(Gather, DoesNotDependOnHowQueriesAreCutIntoCalls) {
   EXPECT_EQ(parts, whole);
 }
 
+/// Means over neighbors that see the same have less noise than as many points by themselves.
+TEST(Gather, NeighborsFillEachOthersGaps) {
+  const Room room(test::furnished_room());
+  const IrradianceCache cache = room.cache(1000, 16, 3);
+  constexpr int kPoints = 64, kSeeds = 48;
+  const std::vector<Vec3> position(kPoints, {2, 0, 1}), normal(kPoints, {0, 1, 0});
+  double within = 0, sum = 0, squares = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    GatherOptions options;
+    options.rays = 4;
+    options.seed = static_cast<uint64_t>(seed);
+    const Gathered gathered =
+        gather_irradiance(room.bvh, room.lights, cache, position, normal, options);
+    double of_seed = 0, of_squares = 0;
+    for (const Rgb& e : gathered.indirect) {
+      of_seed += double{e.x} / kPoints;
+      of_squares += double{e.x} * double{e.x} / kPoints;
+    }
+    within += (of_squares - of_seed * of_seed) / kSeeds;
+    sum += of_seed / kSeeds;
+    squares += of_seed * of_seed / kSeeds;
+  }
+  EXPECT_LT(squares - sum * sum, 0.25 * within / kPoints);
+}
+
 TEST(Gather, RefusesOptionsOutOfRange) {
   const scene::Scene scene = test::furnished_room();
   const pathtrace::Bvh bvh(scene);

@@ -29,8 +29,17 @@ std::optional<std::pair<int, bool>> parse_paths(const std::string& word) {
   return std::pair(paths, denoised);
 }
 
-std::string gather_words(const char* light) {
-  return concat("as --quality preview: rays that read ", light, ", denoised");
+/// "gather", at --quality preview, or "gather-" and another quality.
+std::optional<Quality> parse_gather(const std::string& word) {
+  if (word == "gather") return Quality::Preview;
+  for (const Quality quality : {Quality::Draft, Quality::Final}) {
+    if (word == concat("gather-", enum_name(quality))) return quality;
+  }
+  return std::nullopt;
+}
+
+std::string gather_words(Quality quality, const char* light) {
+  return concat("as --quality ", enum_name(quality), ": rays that read ", light, ", denoised");
 }
 
 SceneMethod method_of(const std::string& word, const SceneModel* model) {
@@ -39,18 +48,19 @@ SceneMethod method_of(const std::string& word, const SceneModel* model) {
   out.model = model;
   if (word == "network") {
     out.kind = SceneMethodKind::Network;
-    out.settings = gather_words("a cache of the network's light");
+    out.settings = gather_words(out.quality, "a cache of the network's light");
   } else if (word == "decoded") {
     out.kind = SceneMethodKind::Decoded;
     out.settings = "the network decoded at every pixel; direct light as --quality preview";
-  } else if (word == "gather") {
+  } else if (const auto quality = parse_gather(word)) {
     out.kind = SceneMethodKind::Gather;
-    out.settings = gather_words("a cache of path-traced light");
+    out.quality = *quality;
+    out.settings = gather_words(out.quality, "a cache of path-traced light");
   } else {
     const auto paths = parse_paths(word);
     LTE_CHECK(paths.has_value(), "--methods: \"", word,
-              "\" is no method: expected network, decoded, gather, paths-N or paths-N-denoised, "
-              "such as paths-16");
+              "\" is no method: expected network, decoded, gather, gather-draft, gather-final, "
+              "paths-N or paths-N-denoised, such as paths-16");
     out.paths = paths->first;
     out.kind = paths->second ? SceneMethodKind::DenoisedPaths : SceneMethodKind::Paths;
     out.settings = concat(out.paths, " paths a pixel", paths->second ? ", denoised" : "");
@@ -70,7 +80,7 @@ class Stopwatch {
 bool asks_model(const std::string& word) { return word == "network" || word == "decoded"; }
 
 RenderSettings settings_of(const SceneMethod& method) {
-  RenderSettings out = with_quality(Quality::Preview, {});
+  RenderSettings out = with_quality(method.quality, {});
   switch (method.kind) {
     case SceneMethodKind::Network:
       out.method = Method::Network;

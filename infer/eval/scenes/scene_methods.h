@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "infer/eval/scenes/scene_view.h"
+#include "infer/renderer/render_settings.h"
 #include "lte/image/image.h"
 #include "lte/runtime/memory_limit.h"
 #include "lte/runtime/network.h"
@@ -29,22 +30,24 @@ struct SceneModel {
 };
 
 struct SceneMethod {
-  std::string name;  ///< "network lte-base", "paths-16"
+  std::string name;  ///< "network lte-base", "gather-draft", "paths-16"
   SceneMethodKind kind = SceneMethodKind::Paths;
-  int paths = 0;  ///< a pixel, of path tracing
+  int paths = 0;                       ///< a pixel, of path tracing
+  Quality quality = Quality::Preview;  ///< of rays
   const SceneModel* model = nullptr;
   std::string settings;  ///< for people
 };
 
 /// What --methods has by default.
 inline constexpr const char* kDefaultSceneMethods =
-    "network,decoded,gather,paths-16,paths-16-denoised";
+    "network,decoded,gather-draft,gather,gather-final,paths-16,paths-16-denoised";
 
 /// Whether words name a method that asks a model.
 bool asks_models(const std::vector<std::string>& words);
 
-/// The methods of the words network and decoded (of each model), gather, paths-N and
-/// paths-N-denoised, in the order of the words, those of a model together.
+/// The methods of the words network and decoded (of each model), gather, gather-draft,
+/// gather-final, paths-N and paths-N-denoised, in the order of the words, those of a model
+/// together.
 /// @param models  must outlive the methods
 /// @throws lte::Error naming the word that is none
 std::vector<SceneMethod> scene_methods(const std::vector<std::string>& words,

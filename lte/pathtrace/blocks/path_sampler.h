@@ -48,6 +48,11 @@ class PathSampler {
   void start_stream(uint64_t seed, uint64_t stream);
   /// The next paths belong to a new set, scrambled independently of those before.
   void start_set();
+  /// Leaves out the next paths of the set, which others take.
+  void skip_paths(uint32_t count) {
+    index_ += count;
+    number_ += count;
+  }
   /// Takes the next path of the set into the block; up to kBlock of them.
   void add_path();
   /// Empties the block. The set goes on.
