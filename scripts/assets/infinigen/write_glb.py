@@ -1,4 +1,5 @@
-"""Writes surfaces, lamps, panes and a camera as one .glb, its meshes by Draco. In the file y is up."""
+"""Writes surfaces, lamps, panes and a camera as one .glb, its meshes by Draco. In the file y is
+up."""
 import json
 import math
 import struct
