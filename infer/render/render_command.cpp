@@ -340,6 +340,7 @@ void check_command(const RenderRequest& request, CommandFiles* files) {
 render::CacheSettings cache_settings(const RenderRequest& request, const RenderSettings& settings) {
   render::CacheSettings out;
   out.records = request.records;
+  out.paths = record_paths(settings);
   out.max_depth = settings.max_depth;
   out.seed = settings.seed;
   return out;

@@ -55,6 +55,10 @@ RenderSettings with_time(double seconds, RenderSettings settings);
 /// The same with so many paths a pixel; beyond 256 of them in passes of equally many, but the last.
 RenderSettings with_paths(int spp, RenderSettings settings);
 
+/// Paths from each record of the irradiance cache (render::CacheSettings::paths) for such a
+/// picture. Where a pixel has so many rays that their noise is small, that of records shows.
+int record_paths(const RenderSettings& settings);
+
 /// A picture that RenderSettings::stop has ended.
 struct PictureStopped {};
 

@@ -23,6 +23,9 @@ constexpr double kOidnBytes = 600, kMaxOidnMib = 768;
 /// between passes.
 constexpr int kPathsAPass = 256;
 
+/// Of a pixel, as a final picture has: record_paths().
+constexpr int kManyRays = 32;
+
 /// A picture in a given time is corrected by paths, which takes denoising twice more, where it may
 /// take so many times as long as denoising once.
 constexpr double kCorrectedFrom = 12;
@@ -65,6 +68,12 @@ RenderSettings with_paths(int spp, RenderSettings settings) {
   settings.path_samples = (spp + settings.passes - 1) / settings.passes;
   settings.max_samples = spp;
   return settings;
+}
+
+int record_paths(const RenderSettings& settings) {
+  const int64_t rays = int64_t{settings.gather_rays} * settings.passes;
+  const bool many = std::isinf(settings.seconds) && rays >= kManyRays;
+  return (many ? 4 : 1) * render::CacheSettings().paths;
 }
 
 Renderer::Renderer(const scene::Scene& scene)

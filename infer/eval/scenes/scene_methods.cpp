@@ -180,6 +180,7 @@ ScenePictures ScenePainter::paint(const SceneMethod& method) {
   if (decodes) settings.output = Output::Direct;
   if (renderer.needs_cache(settings)) {
     render::CacheSettings cache;
+    cache.paths = record_paths(settings);
     cache.max_depth = settings_.max_depth;
     cache.seed = settings_.seed;
     renderer.make_cache(settings.method, cache);

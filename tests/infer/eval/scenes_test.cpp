@@ -66,7 +66,7 @@ class Scenes : public Tools {
 
 TEST_F(Scenes, OfEveryKindInOneRun) {
   const std::string all = at("set") +
-                          " --methods network,decoded,gather,paths-8,paths-8-denoised "
+                          " --methods network,decoded,gather,paths-8,paths-8-denoised,gather-draft "
                           "--reference-spp 64 --report " +
                           at("report");
   const Outcome done = scenes(all + " --json " + at("a.json"));
@@ -76,7 +76,7 @@ TEST_F(Scenes, OfEveryKindInOneRun) {
                                HasSubstr("2 scenes measured, 1 refused or dark")));
   const nlohmann::json run = json("a.json");
   EXPECT_EQ(run.at("reference_spp"), 64);
-  ASSERT_EQ(run.at("methods").size(), 5u);
+  ASSERT_EQ(run.at("methods").size(), 6u);
   EXPECT_EQ(run["methods"][0].at("name"), "network tiny");
   EXPECT_EQ(run["methods"][1].at("checkpoint"), at("tiny.safetensors"));
 
@@ -102,6 +102,8 @@ TEST_F(Scenes, OfEveryKindInOneRun) {
     EXPECT_GT(methods["paths-8-denoised"][light]["worth"].get<double>(),
               methods["paths-8"][light]["worth"].get<double>());
   }
+  EXPECT_LT(methods["gather-draft"]["irradiance"]["worth"],
+            methods["gather"]["irradiance"]["worth"]);
   EXPECT_FALSE(methods["decoded tiny"].at("right")) << "its weights are random";
   EXPECT_GT(methods["network tiny"].at("seconds"), 0);
   EXPECT_LT(methods["gather"]["whole"].at("flip"), methods["paths-8"]["whole"].at("flip"));
