@@ -136,8 +136,9 @@ TEST_F(ProbeTool, ASkyOutsideAClosedRoomChangesNoAnswer) {
                             found = numbers(by("--environment 1000,1000,1000"));
   ASSERT_EQ(found.size(), expected.size());
   ASSERT_GT(found.size(), 20u);
+  constexpr size_t kColumns = 17, kErrors = 12;  // their own noise is larger
   for (size_t i = 0; i < found.size(); ++i)
-    EXPECT_NEAR(found[i], expected[i], 0.02 * expected[i]) << i;
+    EXPECT_NEAR(found[i], expected[i], (i % kColumns < kErrors ? 0.02 : 0.3) * expected[i]) << i;
   EXPECT_NE(by("--environment 1000,1000,1000 --set prune=off"),
             by("--environment 1,1,1 --set prune=off"));
   EXPECT_TRUE(nlohmann::json::parse(read_file("by.json"))["left_out_lights"].empty());
