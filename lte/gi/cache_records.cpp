@@ -73,6 +73,8 @@ void add_records(const scene::SurfaceSamples& samples, size_t begin, size_t end,
     for (size_t i = begin; i < end; ++i) {
       out->start.push_back(samples.position[i]);
       out->start_normal.push_back(samples.normal[i] * side);
+      if (!samples.shading_normal.empty())
+        out->start_shading.push_back(samples.shading_normal[i] * side);
     }
     out->first.push_back(out->start.size());
   }
@@ -115,6 +117,7 @@ CacheRecords sample_records(const pathtrace::Bvh& bvh, int64_t count, uint64_t s
   options.emissive_share = kEmissiveShare;
   options.environment_share = 0;
   options.punctual_lights = false;
+  options.shading_normals = true;
   const scene::SurfaceSamples samples =
       scene::sample_surface(bvh.scene(), (count + 1) / 2 * kRecordPoints, options);
   // Points of the same run of kRecordPoints may be joined; each begins a record or goes on with it.
@@ -160,14 +163,20 @@ RecordLight estimate_records(const pathtrace::Bvh& bvh, const pathtrace::Lights&
   RecordLight out;
   const size_t points = records.start.size();
   const int rays = std::max(1, paths / kRecordPoints);
+  // Light that a bumpy surface reflects is less than a level one's: what it hides from itself is
+  // lost.
+  const std::span<const Vec3> level =
+      records.start_shading.empty() ? std::span<const Vec3>() : records.start_normal;
+  const std::span<const Vec3> normals =
+      level.empty() ? records.start_normal : records.start_shading;
   Gathered found;  // without a cache: by whole paths, side by side as one point has few
   if (max_depth > 1) {
     GatherOptions options;
     options.rays = rays;
     options.max_depth = max_depth;
     options.seed = seed;
-    found = gather_irradiance(bvh, lights, IrradianceCache(bvh, {}, {}), records.start,
-                              records.start_normal, options);
+    found = gather_irradiance(bvh, lights, IrradianceCache(bvh, {}, {}), records.start, normals,
+                              options, 0, level);
   }
   std::vector<uint64_t> streams(points);
   std::iota(streams.begin(), streams.end(), uint64_t{0});
@@ -177,7 +186,7 @@ RecordLight estimate_records(const pathtrace::Bvh& bvh, const pathtrace::Lights&
   options.hemisphere_elsewhere = max_depth > 1;
   options.variance = rays > 1;
   pathtrace::DirectLight direct =
-      pathtrace::estimate_direct(bvh, lights, {records.start, records.start_normal, streams},
+      pathtrace::estimate_direct(bvh, lights, {records.start, normals, streams, level},
                                  std::vector<int32_t>(points, rays), options);
   if (options.variance) out.direct_variance = record_variances(records, direct);
   for (size_t k = 0; k < found.met.size(); ++k) direct.irradiance[k] += found.met[k];

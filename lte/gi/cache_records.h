@@ -21,6 +21,7 @@ struct CacheRecords {
   std::vector<Rgb> albedo;
   std::vector<float> area;                ///< m² that the record stands for
   std::vector<Vec3> start, start_normal;  ///< points, those of record after record
+  std::vector<Vec3> start_shading;        ///< their shading normals; empty where no map bends any
   std::vector<size_t> first{0};           ///< [size() + 1]: a record's first point, and their end
 
   int64_t size() const { return static_cast<int64_t>(position.size()); }

@@ -26,6 +26,7 @@ CacheRecords picked(const CacheRecords& records) {
     for (size_t k = records.first[i]; k < records.first[i + 1]; ++k) {
       out.start.push_back(records.start[k]);
       out.start_normal.push_back(records.start_normal[k]);
+      if (!records.start_shading.empty()) out.start_shading.push_back(records.start_shading[k]);
     }
     out.first.push_back(out.start.size());
   }
@@ -98,8 +99,12 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   const int bounces = options.max_depth - 2;
   std::vector<Rgb> indirect(direct.size());
   const auto gathered = [&](const IrradianceCache& cache, const CacheRecords& at) {
+    const bool bumpy = !at.start_shading.empty();
     return record_means(
-        at, gather_irradiance(bvh, lights, cache, at.start, at.start_normal, gather).indirect);
+        at, gather_irradiance(
+                bvh, lights, cache, at.start, bumpy ? at.start_shading : at.start_normal, gather, 0,
+                bumpy ? std::span<const Vec3>(at.start_normal) : std::span<const Vec3>())
+                .indirect);
   };
   const IrradianceCache cache(bvh, records, direct, direct, light.direct_variance);
   if (bounces < 1 || direct.empty()) return cache;

@@ -11,6 +11,7 @@
 #include "lte/base/random.h"
 #include "lte/scene/area_table.h"
 #include "lte/scene/light_points.h"
+#include "lte/scene/shading_normal.h"
 #include "lte/scene/surface.h"
 
 namespace lte::scene {
@@ -53,6 +54,17 @@ Vec2 triangle_point(double fraction) {
   return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
 }
 
+Vec3 bent_normal(const Scene& scene, int instance, uint32_t triangle, const Vec2& uv,
+                 const Vec3& front) {
+  if (!has_normal_map(scene, scene.instances[static_cast<size_t>(instance)])) return front;
+  return shading_normal(scene, instance, triangle, uv.x, uv.y, 0, front);
+}
+
+bool has_normal_map(const Scene& scene) {
+  return std::any_of(scene.instances.begin(), scene.instances.end(),
+                     [&](const Instance& each) { return has_normal_map(scene, each); });
+}
+
 struct Drawn {
   SurfaceSamples samples;
   std::vector<uint8_t> back;  ///< 1 for points on the back of a surface
@@ -84,6 +96,9 @@ void fill(const Scene& scene, const AreaTable& table, int64_t begin, int64_t cou
       samples->gloss[at] = surface.gloss;
       samples->area[at] = area;
       samples->light_group[at] = surface.light_group;
+      if (samples->shading_normal.empty()) continue;
+      const Vec3 bent = bent_normal(scene, place.face.instance, place.triangle, uv, surface.normal);
+      samples->shading_normal[at] = place.face.back ? -bent : bent;
     }
   });
 }
@@ -119,7 +134,7 @@ void check_area(const Scene& scene, double area) {
   LTE_CHECK(area > 0, "scene ", scene.name, ": no surface has area, nothing to sample");
 }
 
-Drawn make_drawn(int64_t count, double area) {
+Drawn make_drawn(int64_t count, double area, bool shading_normals) {
   const auto n = static_cast<size_t>(count);
   Drawn drawn{{}, std::vector<uint8_t>(n), area};
   SurfaceSamples& out = drawn.samples;
@@ -130,6 +145,7 @@ Drawn make_drawn(int64_t count, double area) {
   out.gloss.resize(n);
   out.area.resize(n);
   out.light_group.resize(n, kNone);
+  if (shading_normals) out.shading_normal.resize(n);
   return drawn;
 }
 
@@ -170,7 +186,7 @@ Drawn draw_by_area(const Scene& scene, int64_t count, const RepeatedTriangles& r
                    const SamplerOptions& options) {
   const AreaTable all(scene, fronts(all_instances(scene)), &repeated);
   check_area(scene, all.total());
-  Drawn out = make_drawn(count, all.total());
+  Drawn out = make_drawn(count, all.total(), options.shading_normals);
   fill(scene, all, 0, count, options, &out);
   return out;
 }
@@ -183,7 +199,7 @@ Drawn draw_with_share(const Scene& scene, int64_t count, const Luminaires& lumin
   const Split split = split_faces(scene, alone);
   const AreaTable emissive(scene, split.emissive), other(scene, split.other, &repeated);
   const double shared = emissive.total() + other.total();
-  Drawn out = make_drawn(count, shared);
+  Drawn out = make_drawn(count, shared, options.shading_normals);
   const int64_t single = points_alone(luminaires, alone);
   const int64_t strata = count - single;
   int64_t next = strata;
@@ -249,9 +265,12 @@ void SurfaceSamples::keep(const std::vector<size_t>& rows) {
   reduce(&gloss);
   reduce(&area);
   reduce(&light_group);
+  if (!shading_normal.empty()) reduce(&shading_normal);
 }
 
-SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options) {
+SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& wanted) {
+  SamplerOptions options = wanted;
+  options.shading_normals = wanted.shading_normals && has_normal_map(scene);
   LTE_CHECK(count >= 1, "sample_surface: at least 1 point is needed, got ", count);
   LTE_CHECK(options.emissive_share >= 0 && options.emissive_share < 1,
             "sample_surface: emissive_share must be in [0, 1), got ", options.emissive_share);

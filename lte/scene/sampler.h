@@ -21,6 +21,8 @@ struct SurfaceSamples {
   std::vector<Gloss> gloss;
   std::vector<float> area;       ///< m² that the point stands for
   std::vector<int> light_group;  ///< kNone unless emissive
+  /// Unit; empty without SamplerOptions::shading_normals, or without a normal map in the scene.
+  std::vector<Vec3> shading_normal;
 
   int64_t size() const { return static_cast<int64_t>(position.size()); }
   /// Reduces every array to these rows, which ascend.
@@ -43,6 +45,9 @@ struct SamplerOptions {
   double environment_share = 0.05;
   /// Adds one emissive sample for each point and spot light and each sun (light_points.h).
   bool punctual_lights = true;
+  /// Fills in `shading_normal`, from the finest level of normal maps. It goes without
+  /// `punctual_lights` and `environment_share`.
+  bool shading_normals = false;
 };
 
 /// Draws exactly `count` points, stratified over the total area in the order of instances, with one

@@ -106,6 +106,29 @@ TEST(Integrators, AShadingNormalSeesWhatIsAboveTheSurface) {
   }
 }
 
+/// Where every wall leans so, each bounce loses that share.
+TEST(Gather, BumpyWallsReflectWhatTheirShadingNormalsSee) {
+  scene::Scene box = test::furnace(kAlbedo, kRadiance);
+  scene::Material& wall = box.materials.front();
+  wall.normal_texture.texture = 0;
+  box.textures = {std::make_shared<const scene::Texture>(
+      1, 1, std::vector<uint8_t>{255, 128, 191}, /*srgb=*/false)};  // 63 degrees off the wall
+  const test::Traced room(std::move(box));
+  const Vec3 normal = normalize({2 * 127.0f / 255, 0, 2 * 191.0f / 255 - 1});
+  const float passed = kAlbedo * (1 + normal.z) / 2;
+  float expected = 0, term = kPi * kRadiance;
+  for (int k = 0; k < 4; ++k) expected += term *= passed;
+  CacheSettings settings;
+  settings.records = 256;
+  settings.paths = 64;
+  const auto gather = make_gather(room.view(), settings), path = make_path(room.view(), 5);
+  for (Integrator* const integrator : {gather.get(), path.get()}) {
+    integrator->prepare();
+    const PointIrradiance light = at(*integrator, {1, 0, 1}, {0, 1, 0}, {16, 16, 0, 0}, 256);
+    EXPECT_NEAR(mean(light.indirect).y, expected, 0.03f * expected);
+  }
+}
+
 TEST(Gather, ASourceOfAnotherLengthIsRefused) {
   const test::Traced room(test::furnace(kAlbedo, kRadiance));
   EXPECT_THROW(make_cache(room.view(), {}, [](auto, auto, auto) { return std::vector<Rgb>(3); }),
