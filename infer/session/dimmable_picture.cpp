@@ -65,6 +65,13 @@ void add_scaled(const image::Image& from, const Rgb& scale, image::Image* to) {
                });
 }
 
+image::Image mean_of(const image::Image& sum, int count) {
+  image::Image out = sum;
+  const float scale = 1 / static_cast<float>(count);
+  for (float& value : out.pixels) value *= scale;
+  return out;
+}
+
 bool same_layers(const std::vector<ScaledLayer>& a, const std::vector<ScaledLayer>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const ScaledLayer& s, const ScaledLayer& t) { return s.layer == t.layer; });
@@ -76,7 +83,7 @@ DimmablePicture::DimmablePicture(StatePtr state, Output output, int64_t pixels)
     : made_for_(std::move(state)), output_(output) {
   const SessionState::Parts& parts = made_for_->parts();
   const std::vector<LightGroups> groups = layers_apart(*parts.edits);
-  const int64_t bytes = scene_bytes(*parts.scene) + pixels * int64_t{sizeof(Rgb)};
+  const int64_t bytes = scene_bytes(*parts.scene) + 2 * pixels * int64_t{sizeof(Rgb)};
   apart_ = !render::is_geometry(output) && parts.accuracy == Accuracy::Full && !groups.empty() &&
            std::ssize(groups) * bytes <= kMaxBytes;
   if (!apart_) {
@@ -117,9 +124,31 @@ void DimmablePicture::add(const scene::Camera& camera, RenderSettings settings, 
     } else {
       add_scaled(frames[i].color, {1, 1, 1}, &layers_[i].sum);
     }
+    layers_[i].clean = {};
+  }
+  if (!render::is_geometry(output_)) {
+    if (pictures_ == 0) albedo_ = normal_ = {};
+    add_scaled(frames.front().albedo, {1, 1, 1}, &albedo_);
+    add_scaled(frames.front().normal, {1, 1, 1}, &normal_);
   }
   depth_ = std::move(frames.front().depth);
   ++pictures_;
+}
+
+void DimmablePicture::denoise(image::OidnQuality quality) {
+  const image::Denoiser& denoiser = made_for_->parts().base->denoiser->get();
+  if (render::is_geometry(output_) || !denoiser.is_oidn() || pictures_ == 0) return;
+  if (layers_.front().clean.width > 0) return;
+  const image::Image albedo = mean_of(albedo_, pictures_), normal = mean_of(normal_, pictures_);
+  const bool textured = output_ != Output::Irradiance;
+  for (Layer& layer : layers_) {
+    const image::Image noisy = mean_of(layer.sum, pictures_);
+    layer.clean = denoiser.denoise(
+        {&noisy, &normal, nullptr, textured ? &albedo : nullptr, nullptr}, quality);
+    for (size_t i = 0; i < noisy.pixels.size() / 3; ++i) {
+      if (normal.rgb(i) == Vec3{}) layer.clean.set_rgb(i, noisy.rgb(i));  // the sky
+    }
+  }
 }
 
 void DimmablePicture::clear() {
@@ -136,7 +165,8 @@ image::Image DimmablePicture::color(const SessionState& state) const {
   for (const Layer& layer : layers_) {
     const auto& settings = state.parts().edits->settings;
     const Rgb gain = apart_ ? settings[static_cast<size_t>(layer.group)].scale() : Rgb{1, 1, 1};
-    add_scaled(layer.sum, gain * mean, &out);
+    const bool clean = layer.clean.width > 0;
+    add_scaled(clean ? layer.clean : layer.sum, clean ? gain : gain * mean, &out);
   }
   return out;
 }

@@ -41,6 +41,10 @@ class DimmablePicture {
   /// @param seconds   set to the times of all layers' stages
   void add(const scene::Camera& camera, RenderSettings settings, bool anew, StageSeconds* seconds);
 
+  /// Takes the noise out of the mean, layer by layer, until the next add(). Nothing happens where
+  /// there is no Open Image Denoise, or no light in the output.
+  void denoise(image::OidnQuality quality);
+
   int pictures() const { return pictures_; }  ///< in the mean
   void clear();
 
@@ -55,12 +59,14 @@ class DimmablePicture {
     std::shared_ptr<const SessionState::Parts> alone;  ///< at gain 1
     int group = 0;                                     ///< whose gain it has
     image::Image sum;
+    image::Image clean = {};  ///< the mean without noise; empty before denoise()
   };
   StatePtr made_for_;
   Output output_;
   bool apart_ = false;
   std::vector<Layer> layers_;
   image::Image depth_;
+  image::Image albedo_, normal_;  ///< sums
   int pictures_ = 0;
   /// Of a picture that was ended: the first layers' frames.
   std::vector<Frame> unfinished_;

@@ -15,6 +15,7 @@ constexpr int kMaxPathsAtOnce = 8;
 constexpr int kEdgeRays = 16;  // of the first whole picture
 /// Rays and light samples a pixel of the passes at rest, which nobody waits for.
 constexpr int kRestingRays = 8, kRestingLightSamples = 64;
+constexpr image::OidnQuality kAtRest = image::OidnQuality::Balanced;
 constexpr int kFirstPassSteps = 8;  // a first pass has at least an eighth of the sides
 constexpr int kMeasuredShare = 4;   // of the sides, when a path a pixel is measured
 /// What is checked is a picture of its own, of so many passes.
@@ -126,8 +127,7 @@ RenderSettings Progressive::settings(const PictureSize& size) const {
   out.output = output_of(shown_);
   out.width = size.width;
   out.height = size.height;
-  // A filter cannot be interrupted: it runs in the first pictures alone, whose noise shows.
-  out.denoise = pass_ <= 1;
+  out.denoise = pass_ <= 1;  // the mean of later passes is denoised as a whole
   out.edge_rays = pass_ == 1 ? kEdgeRays : 0;
   if (pass_ > 1) {
     out.gather_rays = kRestingRays;
@@ -174,7 +174,8 @@ bool Progressive::relight(const StatePtr& state) {
   const DimmablePicture* sum = sum_shown();
   if (traces() || sum == nullptr || !sum->fits(*state)) return false;
   state_ = state;
-  check_.reset();  // it was of other light
+  check_.reset();                                                 // it was of other light
+  if (light_ && averaged_ >= kMinMean) light_->denoise(kAtRest);  // where a pass was ended
   picture_ = sum->color(*state_);
   return true;
 }
@@ -215,8 +216,9 @@ bool Progressive::mean(const std::function<bool()>& interrupted) {
   const scene::Camera camera =
       jittered(camera_, size_, halton(number, 2) - 0.5f, halton(number, 3) - 0.5f);
   add_light(camera, settings(size_), /*anew=*/averaged_ == 0, interrupted);
-  // One without a filter has more noise than the picture that is shown.
   if (++averaged_ < kMinMean) return false;
+  if (interrupted && interrupted()) return false;  // the filter cannot be
+  light_->denoise(kAtRest);
   show_light();
   return true;
 }

@@ -1,7 +1,6 @@
 // A picture that gets better pass by pass: a first pass within a fraction of a frame's time, a
 // whole picture by few rays, then the mean of many such with other rays and other places in the
-// pixels. Each is a sum by luminaire, so that dimming one begins nothing anew. What rests longer is
-// corrected by paths.
+// pixels. Each is a sum by luminaire, so that dimming one begins nothing anew.
 #pragma once
 
 #include <cstdint>

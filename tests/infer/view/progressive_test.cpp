@@ -167,6 +167,36 @@ double error_of(const image::Image& picture, const image::Image& reference) {
   return off / sum;
 }
 
+TEST(DimmablePicture, WithoutNoiseItIsDimmedAsBefore) {
+  Session session(test::furnished_room(), std::nullopt, gathered());
+  session.apply(SetLight{0, 0.5, {}});
+  RenderSettings settings = session_test::picture(Output::Full);
+  settings.denoise = false;
+  settings.light_samples = settings.gather_rays = 4;
+  RenderSettings many = settings;
+  many.light_samples = many.gather_rays = 1024;
+  const image::Image reference = session.state()->render(session_test::camera(), many).color;
+  StageSeconds seconds;
+  DimmablePicture dimmable(session.state(), Output::Full, 24 * 16);
+  for (int pass = 0; pass < 2; ++pass, ++settings.seed)
+    dimmable.add(session_test::camera(), settings, /*anew=*/false, &seconds);
+  const image::Image noisy = dimmable.color(*session.state());
+  dimmable.denoise(image::OidnQuality::Balanced);
+  const image::Image clean = dimmable.color(*session.state());
+  if (clean.pixels == noisy.pixels) GTEST_SKIP() << "there is no Open Image Denoise";
+  EXPECT_LT(error_of(clean, reference), 0.8 * error_of(noisy, reference));
+  session.apply(SetLight{0, 0, {}}, true);
+  const image::Image without = dimmable.color(*session.state());
+  session.apply(SetLight{0, 1, {}}, true);
+  const image::Image full = dimmable.color(*session.state());
+  for (size_t i = 0; i < full.pixels.size(); ++i)
+    EXPECT_NEAR(2 * clean.pixels[i], without.pixels[i] + full.pixels[i], 1e-5f * full.pixels[i]);
+  session.apply(SetLight{0, 0.5, {}}, true);
+  dimmable.add(session_test::camera(), settings, /*anew=*/false, &seconds);
+  const image::Image more = dimmable.color(*session.state());
+  EXPECT_GT(error_of(more, reference), error_of(clean, reference)) << "a new mean, with its noise";
+}
+
 /// Without any network: from the draft to the mean, and by lamp.
 TEST(Progressive, GatheredLightGetsBetterUntilItIsThatOfPaths) {
   Session session(test::furnished_room(), std::nullopt, gathered());
