@@ -155,7 +155,8 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
   const bool lit = renderer.needs_cache(settings) ||
                    (request.edit.any() && !render::is_geometry(settings.output) &&
                     settings.output != Output::Direct);
-  if (settings.method != Method::Network || !lit) return std::nullopt;
+  const bool saves = !request.embedding.save.empty() && renderer.has_light();
+  if (settings.method != Method::Network || !(lit || saves)) return std::nullopt;
   const scene::Scene& scene = renderer.bvh().scene();
   std::optional<runtime::Network> network(std::in_place, checkpoint_or_shipped(request.checkpoint),
                                           network_options(request.tool));

@@ -10,6 +10,7 @@
 #include "lte/render/picture.h"
 #include "lte/render/progressive.h"
 #include "lte/runtime/limit_error.h"
+#include "lte/scene/metal.h"
 
 namespace lte::infer {
 namespace {
@@ -87,6 +88,7 @@ Renderer::Renderer(std::shared_ptr<const pathtrace::Bvh> bvh,
       held_lights_(std::move(lights)),
       bvh_(*held_bvh_),
       lights_(*held_lights_),
+      all_metal_(scene::all_metal(bvh_.scene())),
       denoiser_(std::move(denoiser)) {}
 
 void Renderer::embed(const runtime::Network& network, const EmbedSettings& settings) {
@@ -142,6 +144,7 @@ const gi::IrradianceCache& Renderer::cache() const {
 }
 
 bool Renderer::needs_cache(const RenderSettings& settings) const {
+  if (all_metal_ && settings.output != Output::Irradiance) return false;  // by whole paths
   return settings.method != Method::Path && has_light() && !render::is_geometry(settings.output) &&
          settings.output != Output::Direct;
 }

@@ -82,6 +82,7 @@ class Renderer {
   std::shared_ptr<const pathtrace::Lights> held_lights_;
   const pathtrace::Bvh& bvh_;
   const pathtrace::Lights& lights_;
+  const bool all_metal_;
   std::shared_ptr<const runtime::SceneEmbedding> embedding_;
   std::shared_ptr<const gi::IrradianceCache> cache_;
   StageSeconds seconds_;

@@ -40,6 +40,14 @@ MetalShare metal_share(const Scene& scene) {
   return {metal / total, by_default / total};
 }
 
+bool all_metal(const Scene& scene) {
+  return std::all_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& each) {
+    const int mesh = scene.meshes[static_cast<size_t>(each.mesh)].material;
+    const Material& material = scene.materials[static_cast<size_t>(mesh)];
+    return material.metallic >= 1 && material.metallic_roughness_texture.texture == kNone;
+  });
+}
+
 std::string metal_text(const MetalShare& share, const std::string& of) {
   if (!(share.metal > 0)) return "";
   const char* reason =

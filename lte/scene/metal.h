@@ -20,6 +20,9 @@ bool is_default_metal(const Material& material);
 /// Shares of the surface area. A texture is looked up once a triangle, averaged over its size.
 MetalShare metal_share(const Scene& scene);
 
+/// Whether no surface is anything but metal; a texture may say otherwise.
+bool all_metal(const Scene& scene);
+
 /// "12 % of the visible surface is metal, mostly by glTF's default, ..."; empty without metal.
 /// @param of  "visible surface"
 std::string metal_text(const MetalShare& share, const std::string& of);

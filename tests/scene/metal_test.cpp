@@ -21,8 +21,13 @@ TEST(MetalShare, CountsAreaByHowMetallicItIs) {
   const int half = test::add_metal(&scene, {0.5f, 0.5f, 0.5f}, 0.3f, 0.5f);
   const int plain = test::add_metal(&scene, {0.5f, 0.5f, 0.5f}, 1);
   EXPECT_EQ(metal_text(metal_share(scene), "surface"), "") << "nothing at all";
+  test::add_quad(&scene, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, plain);
+  EXPECT_TRUE(all_metal(scene));
+  scene.instances.clear();
+  scene.meshes.clear();
   test::add_quad(&scene, {0, 0, 0}, {5, 0, 0}, {0, 1, 0}, matt);
   EXPECT_EQ(metal_share(scene).metal, 0);
+  EXPECT_FALSE(all_metal(scene));
   test::add_quad(&scene, {0, 0, 0}, {2, 0, 0}, {0, 1, 0}, half);
   const MetalShare mixed = metal_share(scene);
   EXPECT_NEAR(mixed.metal, 1.0 / 7, 1e-6);

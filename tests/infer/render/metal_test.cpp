@@ -44,5 +44,20 @@ TEST(Metal, IsSaidWithItsShareAndReason) {
   EXPECT_EQ(said(LogLevel::Info), "") << "a scene without metal has no line";
 }
 
+TEST(Renderer, WhereAllIsMetalThereIsNothingToCache) {
+  scene::Scene scene = test::furnished_room();
+  RenderSettings settings;
+  EXPECT_TRUE(Renderer(scene).needs_cache(settings));
+  for (scene::Material& material : scene.materials) material.metallic = 1;
+  Renderer renderer(scene);
+  EXPECT_FALSE(renderer.needs_cache(settings));
+  settings.output = Output::Irradiance;  // which takes metal for matt
+  EXPECT_TRUE(renderer.needs_cache(settings));
+  settings = with_quality(Quality::Draft, {});
+  settings.width = settings.height = 8;
+  const Frame frame = renderer.render({"", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70}, settings);
+  EXPECT_EQ(frame.metal_pixels, 64);
+}
+
 }  // namespace
 }  // namespace lte::infer
