@@ -1,7 +1,10 @@
 #include "datagen/commands/info.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "lte/base/check.h"
@@ -259,28 +262,46 @@ Json dataset_info(const std::filesystem::path& directory, bool deep) {
           {"version", info.version}};
 }
 
-std::string to_text(const Json& info) {
-  // "name: lamp, kind: surface, power_w: [1.0,2.0,3.0]", as the keys above it have it.
-  const auto plain = [](const Json& value) {
-    if (value.is_string()) return value.get<std::string>();
-    if (!value.is_object()) return value.dump();
-    std::string text;
-    for (const auto& [name, item] : value.items())
-      text += concat(text.empty() ? "" : ", ", name, ": ",
-                     item.is_string() ? item.get<std::string>() : item.dump());
-    return text;
+namespace {
+
+/// A scalar of YAML: quoted unless it is a plain word or some of them.
+std::string yaml_text(const std::string& text) {
+  const auto plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view(" _-./()").find(c) != std::string_view::npos;
   };
+  const bool word = !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
+                    text.back() != ' ' && std::all_of(text.begin(), text.end(), plain);
+  for (const char* other : {"true", "false", "null", "yes", "no", "on", "off"}) {
+    if (text == other) return Json(text).dump();
+  }
+  return word ? text : Json(text).dump();
+}
+
+/// YAML on one line.
+std::string yaml_line(const Json& value) {
+  if (value.is_string()) return yaml_text(value.get<std::string>());
+  if (!value.is_object()) return value.dump();
+  std::string text;
+  for (const auto& [name, item] : value.items())
+    text += concat(text.empty() ? "{" : ", ", name, ": ", yaml_line(item));
+  return text.empty() ? "{}" : text + "}";
+}
+
+}  // namespace
+
+std::string to_text(const Json& info) {
   std::string text;
   for (const auto& [key, value] : info.items()) {
     if (value.is_array() && !value.empty() && !value[0].is_number()) {
       text += concat(key, ":\n");
-      for (const Json& item : value) text += concat("  ", plain(item), "\n");
-    } else if (value.is_object()) {
+      for (const Json& item : value) text += concat("  - ", yaml_line(item), "\n");
+    } else if (value.is_object() && !value.empty()) {
       text += concat(key, ":\n");
       for (const auto& [name, item] : value.items())
-        text += concat("  ", name, ": ", plain(item), "\n");
+        text += concat("  ", name, ": ", yaml_line(item), "\n");
     } else {
-      text += concat(key, ": ", plain(value), "\n");
+      text += concat(key, ": ", yaml_line(value), "\n");
     }
   }
   return text;

@@ -28,7 +28,7 @@ Json dataset_info(const std::filesystem::path& directory, bool deep);
 /// channel. A directional light counts 0, since no scene bounds its power.
 std::vector<Rgb> group_powers(const scene::Scene& scene);
 
-/// Formats `info` as "key: value" lines, lists indented.
+/// Formats `info` as YAML, an entry of a list a line.
 std::string to_text(const Json& info);
 
 }  // namespace lte::datagen

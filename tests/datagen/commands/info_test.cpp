@@ -94,6 +94,27 @@ TEST(Info, ListsTexturesCamerasUnitAndFaults) {
   EXPECT_THAT(to_text(info), HasSubstr("  duplicate_triangles: 12\n"));
 }
 
+TEST(Info, TextIsYaml) {
+  const Json info = {{"name", "a room, large"},
+                     {"unit", "metre"},
+                     {"hash", "12e4"},
+                     {"word", "no"},
+                     {"list", {{{"name", "lamp: 3"}, {"size", {1, 2}}}, {{"name", "lamp.4"}}}},
+                     {"none", Json::array()},
+                     {"map", {{"note", "it's #1"}}}};
+  EXPECT_EQ(to_text(info),
+            "hash: \"12e4\"\n"
+            "list:\n"
+            "  - {name: \"lamp: 3\", size: [1,2]}\n"
+            "  - {name: lamp.4}\n"
+            "map:\n"
+            "  note: \"it's #1\"\n"
+            "name: \"a room, large\"\n"
+            "none: []\n"
+            "unit: metre\n"
+            "word: \"no\"\n");
+}
+
 TEST(Info, SunsHaveIrradiance) {
   scene::Scene scene = furnace(2, 0.5f);
   scene::PunctualLight sun;
@@ -106,7 +127,8 @@ TEST(Info, SunsHaveIrradiance) {
   EXPECT_FALSE(info["light_groups"][1].contains("power_w"));
   EXPECT_EQ(info["light_groups"][1]["irradiance_w_m2"], Json::array({1.0, 2.0, 3.0}));
   EXPECT_TRUE(info["light_groups"][0].contains("power_w"));
-  EXPECT_THAT(to_text(info), HasSubstr("  name: sun, kind: directional, irradiance_w_m2: [1"));
+  EXPECT_THAT(to_text(info),
+              HasSubstr("  - {name: sun, kind: directional, irradiance_w_m2: [1.0,2.0,3.0]}\n"));
 }
 
 TEST(Info, SampleMeansAreOverPointsAndGroupsSummed) {
