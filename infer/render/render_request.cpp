@@ -75,9 +75,10 @@ void add_light_options(CLI::App& app, RenderRequest* r) {
       ->check(CLI::IsMember({"gather", "network", "path"}))
       ->capture_default_str();
   CLI::Option* const quality =
-      app.add_option("--quality", r->quality,
-                     "How long it takes: draft (1 pass), preview (4) or final (16, with paths that "
-                     "correct gathered light)")
+      app.add_option(
+             "--quality", r->quality,
+             "How long it takes: draft (one pass), preview (one with more rays) or final (16, "
+             "with paths that correct gathered light)")
           ->check(CLI::IsMember({"draft", "preview", "final"}))
           ->capture_default_str();
   CLI::Option* const time =

@@ -22,9 +22,8 @@ c10::Device choose_device(const std::string& request, int gpu, const std::string
   LTE_CHECK(request != "cuda" || obstacle.empty(), setting, " cuda: ", obstacle, "; use ", setting,
             " cpu, or build with LTE_CUDA=ON where there is a GPU");
   const bool cpu = request == "cpu" || !obstacle.empty();
-  const std::string reason =
-      request.empty() ? (cpu ? obstacle : "found") : concat(setting, " ", request);
-  log_info("device: ", cpu ? "cpu" : "cuda", " (", reason, ")");
+  const std::string reason = request.empty() ? concat(" (", cpu ? obstacle : "found", ")") : "";
+  log_info("device: ", cpu ? "cpu" : "cuda", reason);
   if (cpu) return c10::kCPU;
   const c10::impl::VirtualGuardImpl cuda(c10::kCUDA);
   LTE_CHECK(gpu < cuda.deviceCount(), setting, " cuda: there is no GPU ", gpu, " here, only ",
