@@ -97,8 +97,9 @@ class PrimaryTracer {
     out_->normal[i] = cos_front >= 0 ? point.normal : -point.normal;
     if (!out_->geometric_normal.empty()) out_->geometric_normal[i] = out_->normal[i];
     if (record.normal_mapped) {
+      // Not filtered: a mean of normals is the normal of a smoother, brighter surface.
       const Vec3 bent = scene::shading_normal(bvh_.scene(), instance, hit.primID[lane], hit.u[lane],
-                                              hit.v[lane], footprint, point.normal);
+                                              hit.v[lane], 0, point.normal);
       out_->normal[i] = cos_front >= 0 ? bent : -bent;
     }
     out_->depth[i] = packet.ray.tfar[lane] * dot(d, axis_);
