@@ -4,11 +4,13 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <vector>
 
 #include "lte/base/check.h"
+#include "lte/base/interruption.h"
 
 namespace lte {
 namespace {
@@ -30,7 +32,11 @@ class Job {
     const bool outer = t_inside;
     t_inside = true;
     try {
+      // Of nested jobs, the outermost is the one that several threads share.
+      std::optional<Interruption::Shared> shared;
+      if (!outer) shared.emplace(failed_);
       while (!failed_.load(std::memory_order_relaxed)) {
+        Interruption::check();
         const int64_t chunk = next_.fetch_add(1, std::memory_order_relaxed);
         if (chunk > (count_ - 1) / grain_) break;
         const int64_t begin = chunk * grain_;

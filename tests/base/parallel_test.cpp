@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lte/base/interruption.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte {
@@ -115,6 +116,49 @@ TEST(SetNumThreads, RefusesMoreThanAFewForEachProcessor) {
   EXPECT_THROW(set_num_threads(max_threads() + 1), Error);
   EXPECT_THROW(set_num_threads(1 << 30), Error);
   EXPECT_EQ(num_threads(), max_threads());
+}
+
+TEST(Interruption, EndsTheWorkOfItsThreadAlone) {
+  for (const int threads : {1, 3}) {
+    const Threads scope(threads);
+    std::atomic<int64_t> done{0};
+    const auto count = [&](int64_t begin, int64_t end) { done += end - begin; };
+    {
+      int asked = 0;
+      const Interruption interruption([&] { return ++asked > 5; });
+      EXPECT_THROW(parallel_for(1 << 30, 1, count), Interrupted);
+      EXPECT_GE(done, 5);
+      EXPECT_LT(done, 1 << 30);
+      std::jthread([&] { EXPECT_NO_THROW(parallel_for(9, 1, count)); });
+    }
+    done = 0;
+    EXPECT_NO_THROW(parallel_for(9, 1, count));
+    EXPECT_EQ(done, 9);
+  }
+}
+
+TEST(Interruption, EndsLongBodiesInEveryThread) {
+  const Threads scope(3);
+  std::atomic<int> at_work{0};
+  const Interruption interruption([&] { return at_work == 3; });
+  EXPECT_THROW(parallel_for(3, 1,
+                            [&](int64_t, int64_t) {
+                              ++at_work;
+                              // A job inside, whose end is not that of the work.
+                              parallel_for(2, 1, [](int64_t, int64_t) {});
+                              for (;;) Interruption::check();
+                            }),
+               Interrupted);
+  EXPECT_EQ(at_work, 3);
+}
+
+TEST(Interruption, TheInnerOneCounts) {
+  const Interruption outer([] { return true; });
+  {
+    const Interruption inner([] { return false; });
+    EXPECT_NO_THROW(Interruption::check());
+  }
+  EXPECT_THROW(Interruption::check(), Interrupted);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lte/base/interruption.h"
 #include "lte/pathtrace/blocks/path_kernels.h"
 #include "lte/pathtrace/blocks/ray_packets.h"
 #include "lte/pathtrace/lights/light_lanes.h"
@@ -90,6 +91,7 @@ void BasicTransport<Observer, Directions>::trace_from_camera(PathSampler& sample
 /// Follows the paths of the block from hit to hit; the first hit has depth 1.
 template <typename Observer, DirectionSampler Directions>
 void BasicTransport<Observer, Directions>::follow(PathSampler& sampler) {
+  Interruption::check();
   for (int depth = 1; depth <= max_depth_; ++depth) {
     end_unwanted();
     if (paths_.size == 0) return;
