@@ -36,11 +36,8 @@ Vec3 read_vector(const Json& json, const std::string& key, const std::string& fi
   LTE_CHECK(json.contains(key), file, ": key \"", key, "\" is missing");
   LTE_CHECK(json[key].is_array() && json[key].size() == 3, where,
             " must be an array of 3 numbers, got ", json[key].dump());
-  const Vec3 value{read_number(json[key][0], where), read_number(json[key][1], where),
-                   read_number(json[key][2], where)};
-  LTE_CHECK(is_place(value), where, " must have numbers of at most ", kMaxCoordinate, ", got ",
-            json[key].dump());
-  return value;
+  return {read_number(json[key][0], where), read_number(json[key][1], where),
+          read_number(json[key][2], where)};
 }
 
 /// Sine of the angle between a view and an up vector; 0 if either has no length.
@@ -70,15 +67,11 @@ Camera read_camera(const Json& json, const std::string& file, const std::string&
   }
   camera.origin = read_vector(json, "origin", file);
   camera.target = read_vector(json, "target", file);
-  const Vec3 view = camera.target - camera.origin;
-  LTE_CHECK(length(view) > 0 && is_finite(view), file, ": \"target\" must differ from \"origin\"");
-  camera.up = json.contains("up") ? read_vector(json, "up", file) : default_up(view);
-  LTE_CHECK(sine(view, camera.up) > kMinSine, file,
-            ": \"up\" must not be zero or parallel to the view direction");
+  camera.up = json.contains("up") ? read_vector(json, "up", file)
+                                  : default_up(camera.target - camera.origin);
   LTE_CHECK(json.contains("vfov"), file, ": key \"vfov\" is missing");
   camera.vfov = read_number(json["vfov"], concat(file, ": \"vfov\""));
-  LTE_CHECK(camera.vfov > 0 && camera.vfov < 180, file,
-            ": \"vfov\" must be between 0 and 180 degrees, got ", camera.vfov);
+  check_camera(camera, file);
   if (json.contains("mirrored")) {
     LTE_CHECK(json["mirrored"].is_boolean(), file, ": \"mirrored\" must be true or false, got ",
               json["mirrored"].dump());
@@ -186,6 +179,22 @@ Vec3 default_up(const Vec3& view) {
   const Vec3 up{0, 1, 0};
   if (sine(view, up) > kMinSine) return up;
   return {0, 0, view.y < 0 ? -1.0f : 1.0f};
+}
+
+void check_camera(const Camera& camera, const std::string& what) {
+  const auto check_place = [&](const char* key, const Vec3& place) {
+    LTE_CHECK(is_place(place), what, ": \"", key, "\" must have numbers of at most ",
+              kMaxCoordinate, ", got ", place.x, ", ", place.y, ", ", place.z);
+  };
+  check_place("origin", camera.origin);
+  check_place("target", camera.target);
+  check_place("up", camera.up);
+  const Vec3 view = camera.target - camera.origin;
+  LTE_CHECK(length(view) > 0 && is_finite(view), what, ": \"target\" must differ from \"origin\"");
+  LTE_CHECK(sine(view, camera.up) > kMinSine, what,
+            ": \"up\" must not be zero or parallel to the view direction");
+  LTE_CHECK(camera.vfov > 0 && camera.vfov < 180, what,
+            ": \"vfov\" must be between 0 and 180 degrees, got ", camera.vfov);
 }
 
 std::vector<Camera> load_cameras(const std::filesystem::path& path) {

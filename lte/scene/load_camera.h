@@ -16,6 +16,10 @@ namespace lte::scene {
 /// picture, −Z for a view straight down and +Z for one straight up, so that +X stays at the right.
 Vec3 default_up(const Vec3& view);
 
+/// @throws lte::Error `what: "up" must not be ...` for a camera that sees nothing: a number that is
+///         not finite, a view without direction, an angle out of range
+void check_camera(const Camera& camera, const std::string& what);
+
 /// Reads a camera file: {"origin":[..],"target":[..],"vfov":degrees} with "up", "name" and
 /// "mirrored" as one likes; an array of such objects; what lte_render and `lte_datagen info` write
 /// with --json; or an .exr that lte_render has written. A camera without a name has the file's.
