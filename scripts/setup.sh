@@ -3,7 +3,7 @@
 # when nothing is to do.
 #
 #   scripts/setup.sh            packages, LibTorch, Open Image Denoise
-#   scripts/setup.sh --tests    and what tests are held against besides: PyPI's tensorboard
+#   scripts/setup.sh --tests    and what tests need besides: PyPI's tensorboard, nanobind, pytest
 #   scripts/setup.sh --packages the packages alone, for -DLTE_TORCH=OFF
 #   LTE_SKIP_APT=1 ...          never touch the system's packages
 #   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
@@ -11,7 +11,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 readonly torch_version=2.11.0 oidn_version=2.5.1.0
-readonly packages=(build-essential cmake ninja-build ccache pkg-config python3 python3-venv
+packages=(build-essential cmake ninja-build ccache pkg-config python3 python3-venv
   libembree-dev libopenexr-dev libtinygltf-dev libstb-dev zlib1g-dev libdraco-dev libwebp-dev
   libflann-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev libgloo-dev
   libboost-dev libturbojpeg0-dev
@@ -92,9 +92,20 @@ install_tensorboard() {
   fi
 }
 
+# The Python package (-DLTE_PYTHON=ON), and what its tests import.
+install_python_package_needs() {
+  local marker=.venv/tests/lte-python-1
+  if [ -e "$marker" ]; then say "Python package: nanobind and pytest in .venv/tests"; return; fi
+  say "Python package: installing nanobind, NumPy, pytest and hypothesis into .venv/tests"
+  [ -x .venv/tests/bin/pip ] || make_environment .venv/tests
+  .venv/tests/bin/pip install --quiet --disable-pip-version-check 'nanobind>=3.1,<4' numpy pytest \
+    hypothesis
+  touch "$marker"
+}
+
 tests='' packages_alone=''
 case "${1:-}" in
-  --tests) tests=1 ;;
+  --tests) tests=1; packages+=(python3-dev) ;;
   --packages) packages_alone=1 ;;
   "") ;;
   *) fail "unknown argument $1 (see the head of scripts/setup.sh)" ;;
@@ -103,5 +114,5 @@ if command -v dpkg-query >/dev/null; then install_packages; else say "packages: 
 if [ -n "$packages_alone" ]; then say "done"; exit; fi
 install_torch
 install_oidn
-[ -z "$tests" ] || install_tensorboard
+[ -z "$tests" ] || { install_tensorboard; install_python_package_needs; }
 say "done"

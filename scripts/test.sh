@@ -3,7 +3,7 @@
 #
 #   scripts/test.sh [ctest arguments ...]
 #   scripts/test.sh --sanitize ...   under the address and undefined-behaviour sanitizers
-#   scripts/test.sh --ci ...         with the benchmark programs and the experiments
+#   scripts/test.sh --ci ...         with benchmark programs, experiments and the Python package
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=release

@@ -51,8 +51,9 @@ fs::path page_folder() {
     std::error_code ignored;
     const fs::path executable = fs::read_symlink("/proc/self/exe", ignored);
     const fs::path prefix = executable.parent_path().parent_path();
-    folders = {prefix / "share" / "lte" / "view", prefix.parent_path() / "infer" / "view" / "page",
-               LTE_SOURCE_PAGE};
+    folders = {prefix / "share" / "lte" / "view", prefix.parent_path() / "infer" / "view" / "page"};
+    constexpr std::string_view kSourcePage = LTE_SOURCE_PAGE;  // empty in packages
+    if (!kSourcePage.empty()) folders.emplace_back(kSourcePage);
   }
   std::string looked;
   for (const fs::path& folder : folders) {

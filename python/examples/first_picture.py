@@ -1,0 +1,21 @@
+#!/usr/bin/env python3
+"""A picture of a scene, and what is in it.
+
+    first_picture.py [SCENE] [--size WxH] [--out room.png]
+"""
+import argparse
+
+import lte
+
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+parser.add_argument("scene", nargs="?", default=lte.living_room)
+parser.add_argument("--size", default="640x480")
+parser.add_argument("--out", default="room.png")
+options = parser.parse_args()
+
+scene = lte.load(options.scene)
+size = tuple(map(int, options.size.split("x")))
+picture = lte.render(scene, size=size, quality="preview")
+picture.save(options.out)
+depth = picture.layers["depth"]
+print(f"{options.out}: {scene!r}, surfaces {depth[depth > 0].min():.1f} to {depth.max():.1f} m away")

@@ -1,0 +1,281 @@
+"""Global illumination for scenes of triangles: pictures, and the light at points.
+
+Units are those of the command-line tools: metres; radiance in W sr^-1 m^-2; irradiance in W/m²,
+not divided by pi; colors are linear Rec.709. Every answer is a function of its arguments and its
+seed, whatever the number of threads.
+
+Light is gathered or path-traced. The network needs lte's command-line tools, built with LibTorch.
+"""
+
+import json
+import os
+import pathlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lte import _lte
+from lte._arguments import Floats, Path, choice, number, path_text, surface, whole
+from lte._lte import Error
+
+__version__: str = _lte.__version__
+__all__ = ["Camera", "Error", "Light", "Picture", "Scene", "generate_dataset", "generate_scene",
+           "irradiance", "living_room", "load", "render", "set_threads", "set_verbose", "threads",
+           "trace"]
+
+Integrator: TypeAlias = Literal["gather", "path"]
+
+#: A scene that comes with the package.
+living_room = pathlib.Path(__file__).parent / "scenes" / "living_room.glb"
+
+
+class Camera(NamedTuple):
+    """A perspective camera; `vfov` is its vertical angle of view in degrees."""
+
+    origin: tuple[float, float, float]
+    target: tuple[float, float, float]
+    up: tuple[float, float, float] | None = None  #: by default +Y, or what suits a view along it
+    vfov: float = 45
+
+
+@dataclass(frozen=True)
+class Light:
+    """Irradiance at points, W/m²."""
+
+    total: Floats  #: [N, 3], or [lights, N, 3] by lamp
+    direct: Floats  #: the share that comes straight from lamps
+    indirect: Floats  #: the rest
+    #: [N, 3], of the total over all lamps
+    standard_error: Floats
+    #: [N] of irradiance(): the root mean square error to expect, bias included; else None
+    expected_error: Floats | None = None
+
+
+class Picture:
+    """A picture that render() has made, with its layers. `np.asarray(picture)` is its color."""
+
+    def __init__(self, made: Any) -> None:
+        self._made = made
+        self.color: Floats = made.color()  #: [H, W, 3] linear; of output "depth" [H, W], metres
+        self.layers: dict[str, Floats] = made.layers()  #: albedo, normal, depth, emission, ...
+        self.camera: dict[str, Any] = json.loads(made.camera)  #: as in a camera file
+        self.passes: int = made.passes  #: that were made
+        self.denoiser: str = made.denoiser  #: what took noise away, or ""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Floats:
+        return self.color.astype(dtype or np.float32, copy=bool(copy))
+
+    def exposure(self, ev: float = 0) -> float:
+        """The factor that save() shows light by, chosen by the picture."""
+        return float(self._made.exposure(None, number("ev", ev, -100, 100)))
+
+    def save(self, path: Path, *, exposure: float | None = None, ev: float = 0,
+             tone: str = "linear") -> None:
+        """Writes a .png, exposed, or an .exr with all layers: the file that lte_render writes."""
+        factor = None if exposure is None else number("exposure", exposure, 1e-30, 1e30)
+        self._made.save(path_text(path), factor, number("ev", ev, -100, 100), str(tone))
+
+
+class Scene:
+    """A scene with what all questions about it share. Threads may ask at the same time."""
+
+    def __init__(self, made: Any) -> None:
+        self._made = made
+
+    def __repr__(self) -> str:
+        return f"<lte.Scene {self.name!r}: {self.triangles} triangles, {len(self.lights)} lights>"
+
+    @property
+    def name(self) -> str:
+        return str(self._made.name)
+
+    @property
+    def triangles(self) -> int:
+        return int(self._made.triangles)
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """The least and the largest corner."""
+        low, high = self._made.bounds
+        return np.array(low, np.float32), np.array(high, np.float32)
+
+    @property
+    def lights(self) -> list[str]:
+        """Names of the lamps, in the order of irradiance by lamp."""
+        return list(self._made.lights)
+
+    @property
+    def cameras(self) -> list[str]:
+        return list(self._made.cameras)
+
+    @property
+    def ignored(self) -> list[str]:
+        """What of the file was not understood."""
+        return list(self._made.ignored)
+
+    def sample(self, count: int, *, seed: int = 0) -> tuple[Floats, Floats]:
+        """Points spread over all surfaces by area, and the unit normals there, each [count, 3]."""
+        return self._made.sample(whole("count", count, 1, 1 << 30), _seed(seed))  # type: ignore
+
+    def save(self, path: Path) -> None:
+        """Writes the scene as a .glb."""
+        self._made.save(path_text(path))
+
+
+def load(path: Path, *, up: Literal["y", "z"] = "y", environment: Path = "",
+         environment_turn: float = 0, add_light: str | Iterable[str] = (),
+         allow_outside: bool = False) -> Scene:
+    """Reads a .gltf, .glb, .obj, .pbrt or .ply. The options are lte_render's flags.
+
+    Raises lte.Error, which names the file, if it is missing, damaged, or of another format.
+    """
+    lights = [add_light] if isinstance(add_light, str) else [str(light) for light in add_light]
+    return Scene(_lte.load(path_text(path), choice("up", up, "y", "z"), path_text(environment),
+                           number("environment_turn", environment_turn, -1e6, 1e6), lights,
+                           bool(allow_outside)))
+
+
+def render(scene: Scene, *, size: tuple[int, int] = (512, 512), camera: str | int | Camera = "",
+           integrator: Integrator = "gather",
+           quality: Literal["draft", "preview", "final"] = "final", time: float | None = None,
+           spp: int | None = None, output: str = "full", depth: int = 5, seed: int = 0,
+           denoise: bool = True) -> Picture:
+    """A picture, the one that lte_render makes with flags of these names.
+
+    `camera` is a Camera, or the name or number of one of the scene's, "auto", or a camera file; by
+    default the scene's first, else the automatic one. `time` is in seconds. `spp` goes with the
+    integrator path.
+    """
+    made = _made(scene)
+    try:
+        width, height = size
+    except (TypeError, ValueError):
+        raise ValueError(f"size: expected (width, height), got {size!r}") from None
+    if spp is not None and integrator != "path":
+        raise ValueError('spp goes with integrator="path": the others take quality or time')
+    if isinstance(camera, Camera):
+        word, given = "", _camera(camera)
+    else:
+        word, given = str(camera), None
+    return Picture(_lte.render(
+        made, whole("size: width", width, 1, 65536), whole("size: height", height, 1, 65536), word,
+        given, _integrator(integrator), str(quality),
+        0 if time is None else number("time", time, 1e-6, 1e9),
+        0 if spp is None else whole("spp", spp, 1, 1 << 20), str(output), _depth(depth),
+        _seed(seed), bool(denoise)))
+
+
+def irradiance(scene: Scene, points: ArrayLike, normals: ArrayLike, *,
+               integrator: Integrator = "gather", spp: int | None = None,
+               error: float | None = None, depth: int = 5, seed: int = 0) -> Light:
+    """Irradiance at points, on the side of the normals: lte_probe's answers.
+
+    Every call makes irradiance caches, a second or two, and many points take little longer than
+    one. `spp` is rays a point, by default 256, of the integrator path 1024. `error` goes with path:
+    the relative standard error that it traces to.
+    """
+    made = _made(scene)
+    if error is not None and integrator != "path":
+        raise ValueError('error goes with integrator="path"')
+    at, side = surface(points, normals)
+    found = _lte.probe(made, at, side, _integrator(integrator),
+                       0 if spp is None else whole("spp", spp, 1, 1 << 20),
+                       0 if error is None else number("error", error, 1e-6, 1e6), _depth(depth),
+                       _seed(seed))
+    return Light(found["total"], found["direct"], found["total"] - found["direct"],
+                 found["standard_error"], found["expected_error"])
+
+
+def trace(scene: Scene, points: ArrayLike, normals: ArrayLike, *, rays: int = 1024,
+          depth: int = 5, seed: int = 0, by_light: bool = False) -> Light:
+    """Irradiance by path tracing alone, without bias. `by_light`: [lights, N, 3] by lamp.
+
+    Light is linear: what lamps give, dimmed, is the sum of what each gives times its gain.
+    """
+    made = _made(scene)
+    at, side = surface(points, normals)
+    found = _lte.trace(made, at, side, whole("rays", rays, 2, 1 << 20), _depth(depth), _seed(seed),
+                       bool(by_light))
+    return Light(found["direct"] + found["indirect"], found["direct"], found["indirect"],
+                 found["standard_error"])
+
+
+def generate_scene(generator: Literal["boxes", "homes", "wild"] = "homes", *,
+                   seed: int = 1) -> Scene:
+    """A procedural scene with furniture and lamps."""
+    word = choice("generator", generator, "boxes", "homes", "wild")
+    return Scene(_lte.generate_scene(word, _seed(seed)))
+
+
+def generate_dataset(config: Path, out: Path, *, set: dict[str, object] | None = None,
+                     resume: bool = False) -> dict[str, int]:
+    """Makes training data as `lte_datagen generate` does; `set` overrides keys of the config.
+
+    The files are safetensors. Ctrl-C leaves whole scenes alone, and `resume` goes on.
+    """
+    overrides = [f"{key}={value}" for key, value in (set or {}).items()]
+    return dict(_lte.generate_dataset(path_text(config), path_text(out), overrides, bool(resume)))
+
+
+def set_threads(count: int) -> None:
+    """Threads of all later calls; 0 for all processors."""
+    _lte.set_threads(whole("count", count, 0, 1 << 20))
+
+
+def threads() -> int:
+    return int(_lte.threads())
+
+
+def set_verbose(verbose: bool) -> None:
+    """Whether notes go to standard error, beside warnings."""
+    _lte.set_verbose(bool(verbose))
+
+
+def _made(scene: Scene) -> Any:
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene: expected lte.Scene, got {type(scene).__name__}")
+    return scene._made
+
+
+def _integrator(word: str) -> str:
+    if word == "network":
+        raise ValueError("integrator: this package has no network, which needs lte's command-line "
+                         "tools, built with LibTorch")
+    return choice("integrator", word, "gather", "path")
+
+
+def _camera(camera: Camera) -> tuple[Any, ...]:
+    def triple(name: str, values: Any) -> tuple[float, float, float]:
+        try:
+            x, y, z = (float(value) for value in values)
+        except (TypeError, ValueError):
+            raise ValueError(f"camera: {name}: expected three numbers, got {values!r}") from None
+        return x, y, z
+
+    up = None if camera.up is None else triple("up", camera.up)
+    return (triple("origin", camera.origin), triple("target", camera.target), up,
+            number("camera: vfov", camera.vfov, 0, 180))
+
+
+def _depth(depth: int) -> int:
+    return whole("depth", depth, 1, 1000)
+
+
+def _seed(seed: int) -> int:
+    return whole("seed", seed, 0, (1 << 64) - 1)
+
+
+def _find_denoiser() -> None:
+    """Has pictures denoised by PyPI's pyoidn where that is installed."""
+    found = None if "LTE_OIDN" in os.environ else find_spec("pyoidn")
+    for folder in (found and found.submodule_search_locations) or ():
+        library = pathlib.Path(folder) / "oidn" / "lib"
+        if library.is_dir():
+            os.environ["LTE_OIDN"] = str(library)
+
+
+_find_denoiser()

@@ -1,0 +1,113 @@
+"""Checks of arguments: each problem is one sentence that names the argument."""
+
+import operator
+import os
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats: TypeAlias = NDArray[np.float32]
+Path: TypeAlias = str | os.PathLike[str]
+
+
+def whole(name: str, value: Any, low: int, high: int) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name}: expected a whole number, got {_kind(value)}") from None
+    if not low <= number <= high:
+        raise ValueError(f"{name}: expected {low} to {high}, got {number}")
+    return number
+
+
+def number(name: str, value: Any, low: float, high: float) -> float:
+    try:
+        if isinstance(value, (str, bytes)):
+            raise TypeError
+        found = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected a number, got {_kind(value)}") from None
+    if not low <= found <= high:
+        raise ValueError(f"{name}: expected {low:g} to {high:g}, got {found:g}")
+    return found
+
+
+def choice(name: str, word: Any, *words: str) -> str:
+    if word not in words:
+        raise ValueError(f"{name}: expected {' | '.join(words)}, got {word!r}")
+    return str(word)
+
+
+def path_text(path: Any) -> str:
+    try:
+        text = os.fsdecode(path)
+    except TypeError:
+        raise TypeError(f"path: expected a name of a file, got {_kind(path)}") from None
+    if "\0" in text:
+        raise ValueError("path: has a null character")
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"path: expected UTF-8, got {text!r}") from None
+    return text
+
+
+def surface(points: Any, normals: Any) -> tuple[Floats, Floats]:
+    """Points and normals as [N, 3] float32 rows."""
+    at, side = _triples("points", points), _triples("normals", normals)
+    if len(at) != len(side):
+        raise ValueError(f"normals: expected as many as points, {len(at)}, got {len(side)}")
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(side, axis=1)
+    usable = (lengths > 1e-6) & np.isfinite(lengths)
+    if not usable.all():
+        raise ValueError(f"normals: row {int(np.argmin(usable))} has no length, or too much")
+    return at, side
+
+
+def _triples(name: str, values: Any) -> Floats:
+    """[N, 3] float32 rows; contiguous ones are taken as they are."""
+    array = _array(name, values)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name}: expected [N, 3], got {list(array.shape)}")
+    with np.errstate(over="ignore"):  # what float32 cannot hold is not finite there
+        rows = np.ascontiguousarray(array, np.float32)
+    finite = np.isfinite(rows).all(axis=1)
+    if not finite.all():
+        raise ValueError(f"{name}: row {int(np.argmin(finite))} is not finite")
+    return rows
+
+
+def _array(name: str, values: Any) -> NDArray[Any]:
+    if isinstance(values, (list, tuple)):
+        return _array_of_rows(name, values)
+    if hasattr(values, "__dlpack__") and not isinstance(values, np.ndarray):
+        try:
+            array = np.from_dlpack(values)
+        except (BufferError, RuntimeError, TypeError) as problem:
+            raise TypeError(f"{name}: expected an array on the CPU ({_line(problem)})") from None
+    else:
+        array = np.asarray(values)
+    if array.dtype.type not in (np.float32, np.float64):
+        raise TypeError(f"{name}: expected float32 or float64, got {array.dtype}")
+    return array
+
+
+def _array_of_rows(name: str, values: Any) -> NDArray[Any]:
+    """Python's own numbers, whole ones too."""
+    try:
+        array = np.array(values) if len(values) else np.zeros((0, 3))
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{name}: expected [N, 3] numbers, got rows of different kinds") from None
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name}: expected [N, 3] numbers, got {array.dtype}")
+    return array
+
+
+def _kind(value: Any) -> str:
+    return f"{type(value).__name__} {value!r}"[:60] if value is not None else "None"
+
+
+def _line(problem: BaseException) -> str:
+    return " ".join(str(problem).split())

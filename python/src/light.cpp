@@ -1,0 +1,92 @@
+// Light at points: lte_probe's answers, and plain path tracing by lamp.
+#include <cmath>
+
+#include <nanobind/stl/string.h>
+
+#include "infer/check/check_report.h"
+#include "infer/probe/probe_answers.h"
+#include "lte/base/log.h"
+#include "lte/pathtrace/irradiance.h"
+
+#include "python/src/module.h"
+
+namespace lte::python {
+namespace {
+
+std::vector<Vec3> directions_of(const Triples& rows) {
+  std::vector<Vec3> out;
+  out.reserve(rows.shape(0));
+  for (const Vec3& row : span_of(rows)) out.push_back(normalize(row));
+  return out;
+}
+
+nb::dict probe(const Scene& self, const Triples& points, const Triples& normals,
+               const std::string& integrator, int64_t spp, double error, int depth, uint64_t seed) {
+  infer::ProbeRequest request;
+  request.integrator = integrator;
+  request.spp = spp;
+  request.error = error;
+  request.max_depth = depth;
+  request.seed = seed;
+  const infer::ProbeAnswer answer = interruptible([&] {
+    scene::PointTable table;
+    const std::span<const Vec3> at = span_of(points);
+    table.position.assign(at.begin(), at.end());
+    table.normal = directions_of(normals);
+    infer::Renderer renderer = self.renderer();
+    if (!renderer.has_light()) return infer::darkness(table);
+    return infer::answer_points(request, nullptr, {}, table, &renderer);
+  });
+  const std::string note = infer::check_note(answer.check, "the gathered", "the points");
+  if (!note.empty()) log_warning(self.scene().name, ": ", note);
+  nb::dict out;
+  out["total"] = array_of(answer.light.total);
+  out["direct"] = array_of(answer.light.direct);
+  out["standard_error"] = array_of(answer.light.standard_error);
+  std::vector<float> expected(answer.expected_error.begin(), answer.expected_error.end());
+  expected.resize(answer.light.total.size());  // where nothing shines there is no error
+  const size_t count = expected.size();
+  out["expected_error"] = array_of(std::move(expected), {count});
+  return out;
+}
+
+/// Sums over the groups, or all of them.
+Array light_of(const std::vector<Rgb>& values, size_t groups, size_t points, bool by_light) {
+  if (by_light) {
+    const auto* first = reinterpret_cast<const float*>(values.data());
+    return array_of({first, first + 3 * values.size()}, {groups, points, 3});
+  }
+  std::vector<Rgb> sum(points);
+  for (size_t i = 0; i < values.size(); ++i) sum[i % points] += values[i];
+  return array_of(sum);
+}
+
+nb::dict trace(const Scene& self, const Triples& points, const Triples& normals, int rays,
+               int depth, uint64_t seed, bool by_light) {
+  const pathtrace::Irradiance light = interruptible([&] {
+    pathtrace::IrradianceOptions options;
+    options.rays = rays;
+    options.max_depth = depth;
+    options.seed = seed;
+    return pathtrace::estimate_irradiance(*self.bvh(), *self.lights(), span_of(points),
+                                          directions_of(normals), options);
+  });
+  const auto groups = static_cast<size_t>(light.groups), count = static_cast<size_t>(light.points);
+  std::vector<Rgb> error;
+  for (const Rgb& variance : light.variance_total)
+    error.push_back({std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)});
+  nb::dict out;
+  out["direct"] = light_of(light.direct, groups, count, by_light);
+  out["indirect"] = light_of(light.indirect, groups, count, by_light);
+  out["standard_error"] = array_of(error);
+  return out;
+}
+
+}  // namespace
+
+void bind_light(nb::module_& m) {
+  m.def("probe", &probe);
+  m.def("trace", &trace);
+}
+
+}  // namespace lte::python

@@ -1,0 +1,26 @@
+// The module lte._lte, which Python's side of the package, python/lte, is thin over. Arguments come
+// checked from there.
+#include "python/src/module.h"
+
+#include <nanobind/stl/string.h>
+
+#include "lte/base/log.h"
+#include "lte/base/parallel.h"
+#include "lte/base/version.h"
+
+NB_MODULE(_lte, m) {
+  using namespace lte;  // NOLINT(google-build-using-namespace)
+  // Scripts end with scenes in their globals.
+  nanobind::set_leak_warnings(false);
+  nanobind::exception<Error>(m, "Error", PyExc_RuntimeError);
+  set_log_level(LogLevel::Warning);
+  m.attr("__version__") = version();
+  m.def("set_threads", [](int count) { python::argument([&] { set_num_threads(count); }); });
+  m.def("threads", &num_threads);
+  m.def("set_verbose",
+        [](bool verbose) { set_log_level(verbose ? LogLevel::Info : LogLevel::Warning); });
+  python::bind_scene(m);
+  python::bind_picture(m);
+  python::bind_light(m);
+  python::bind_tools(m);
+}

@@ -1,0 +1,117 @@
+// Shared by the files of this module: the scene as Python holds it, arrays, errors of arguments,
+// and work that Ctrl-C ends.
+#pragma once
+
+#include <cstring>
+#include <initializer_list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "infer/renderer/renderer.h"
+#include "lte/base/check.h"
+#include "lte/base/interruption.h"
+#include "lte/base/timer.h"
+
+namespace lte::python {
+
+namespace nb = nanobind;
+
+/// [N, 3], read in place.
+using Triples = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Array = nb::ndarray<nb::numpy, float>;
+
+inline std::span<const Vec3> span_of(const Triples& rows) {
+  return {reinterpret_cast<const Vec3*>(rows.data()), rows.shape(0)};
+}
+
+/// An array that owns the numbers.
+inline Array array_of(std::vector<float> numbers, std::initializer_list<size_t> shape) {
+  auto* kept = new std::vector<float>(std::move(numbers));
+  const nb::capsule owner(kept,
+                          [](void* p) noexcept { delete static_cast<std::vector<float>*>(p); });
+  return Array(kept->data(), shape, owner);
+}
+
+/// [N, 3].
+inline Array array_of(std::span<const Vec3> rows) {
+  const auto* first = reinterpret_cast<const float*>(rows.data());
+  return array_of({first, first + 3 * rows.size()}, {rows.size(), 3});
+}
+
+/// Runs a check of an argument: what it has to say is a ValueError, not an Error of a file.
+template <typename Check>
+auto argument(const Check& check) {
+  try {
+    return check();
+  } catch (const Error& error) {
+    throw nb::value_error(error.what());
+  }
+}
+
+/// A scene with what all questions about it share. Nothing in it changes but the irradiance cache.
+class Scene {
+ public:
+  explicit Scene(scene::Scene scene);
+
+  const scene::Scene& scene() const { return *scene_; }
+  const std::shared_ptr<const pathtrace::Bvh>& bvh() const { return bvh_; }
+  const std::shared_ptr<const pathtrace::Lights>& lights() const { return lights_; }
+  /// One a call: several threads may ask at the same time.
+  infer::Renderer renderer() const { return {bvh_, lights_, denoiser_}; }
+  /// Gives a renderer the cache that gathered pictures read; that of the last call where it is the
+  /// same.
+  void provide_cache(const render::CacheSettings& settings, infer::Renderer* renderer);
+
+ private:
+  std::unique_ptr<const scene::Scene> scene_;
+  std::shared_ptr<const pathtrace::Bvh> bvh_;
+  std::shared_ptr<const pathtrace::Lights> lights_;
+  std::shared_ptr<render::SharedDenoiser> denoiser_;
+  std::mutex mutex_;  ///< for what follows
+  std::tuple<int64_t, int, uint64_t> cached_ = {};
+  std::shared_ptr<const gi::IrradianceCache> cache_;
+};
+
+/// Whether Python handles signals in this thread.
+inline bool in_main_thread() {
+  const nb::module_ threading = nb::module_::import_("threading");
+  return threading.attr("get_ident")().equal(threading.attr("main_thread")().attr("ident"));
+}
+
+/// Runs `work` without the interpreter's lock. Ctrl-C ends it, and is then an exception as
+/// elsewhere in Python.
+template <typename Work>
+auto interruptible(const Work& work) {
+  constexpr double kLookEach = 0.05;  // seconds
+  Timer since;
+  const auto wanted = [&since] {
+    if (since.seconds() < kLookEach) return false;
+    since.restart();
+    const nb::gil_scoped_acquire lock;
+    return PyErr_CheckSignals() != 0;
+  };
+  std::optional<Interruption> interruption;
+  if (in_main_thread()) interruption.emplace(wanted);
+  try {
+    const nb::gil_scoped_release unlocked;
+    return work();
+  } catch (const Interrupted&) {
+    throw nb::python_error();  // that which the signal's handler has raised
+  }
+}
+
+void bind_scene(nb::module_& m);
+void bind_picture(nb::module_& m);
+void bind_light(nb::module_& m);
+void bind_tools(nb::module_& m);
+
+}  // namespace lte::python

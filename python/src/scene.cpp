@@ -1,0 +1,130 @@
+// Scenes: from files, from generators, and points on their surfaces.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include "datagen/dataset/generate.h"
+#include "infer/tool/scene_source.h"
+#include "lte/base/log.h"
+#include "lte/cli/scene_flags.h"
+#include "lte/pathtrace/reach/lost_light.h"
+#include "lte/scene/export.h"
+#include "lte/scene/sampler.h"
+
+#include "python/src/module.h"
+
+namespace lte::python {
+
+Scene::Scene(scene::Scene scene)
+    : scene_(std::make_unique<const scene::Scene>(std::move(scene))),
+      bvh_(std::make_shared<const pathtrace::Bvh>(*scene_)),
+      lights_(std::make_shared<const pathtrace::Lights>(*scene_)),
+      denoiser_(std::make_shared<render::SharedDenoiser>()) {}
+
+void Scene::provide_cache(const render::CacheSettings& settings, infer::Renderer* renderer) {
+  const std::tuple key{settings.records, settings.max_depth, settings.seed};
+  {
+    const std::lock_guard lock(mutex_);
+    if (cache_ && cached_ == key) return renderer->set_cache(cache_);
+  }
+  auto cache =
+      std::make_shared<const gi::IrradianceCache>(render::make_cache({*bvh_, *lights_}, settings));
+  renderer->set_cache(cache);
+  const std::lock_guard lock(mutex_);
+  cached_ = key;
+  cache_ = std::move(cache);
+}
+
+namespace {
+
+std::unique_ptr<Scene> load(const std::string& path, const std::string& up,
+                            const std::string& environment, double environment_turn,
+                            std::vector<std::string> lights, bool allow_outside) {
+  infer::SceneSource source;
+  source.scene = path;
+  source.up = up;
+  source.environment = environment;
+  source.environment_turn = environment_turn;
+  source.lights = std::move(lights);
+  source.loading.allow_outside = allow_outside;
+  return interruptible([&] {
+    auto scene = std::make_unique<Scene>(infer::load_source(source, ""));
+    if (scene->lights()->empty())
+      log_warning(path, ": nothing emits light (environment=\"1,1,1\" or add_light=\"auto\" do)");
+    pathtrace::warn_of_lost_light(path, *scene->bvh());
+    return scene;
+  });
+}
+
+std::unique_ptr<Scene> generate(const std::string& generator, uint64_t seed) {
+  datagen::DatagenConfig config;
+  for (const auto kind : {datagen::GeneratorKind::Boxes, datagen::GeneratorKind::Homes,
+                          datagen::GeneratorKind::Wild}) {
+    if (generator == datagen::generator_name(kind)) config.generator = kind;
+  }
+  return interruptible(
+      [&] { return std::make_unique<Scene>(datagen::generate_scene(config, seed, generator)); });
+}
+
+nb::dict generate_dataset(const std::string& config_path, const std::string& out,
+                          const std::vector<std::string>& overrides, bool resume) {
+  const datagen::GenerateResult result = interruptible([&] {
+    datagen::GenerateOptions options;
+    options.out = out;
+    options.resume = resume;
+    return datagen::generate_dataset(datagen::load_datagen_config(config_path, overrides), options);
+  });
+  LTE_CHECK(result.failed == 0, out, ": ", result.failed, " scenes failed, the first of them ",
+            result.first_error, "; resume=True tries them again");
+  nb::dict counts;
+  counts["baked"] = result.baked;
+  counts["kept"] = result.kept;
+  counts["planned"] = result.planned;
+  return counts;
+}
+
+nb::tuple sample(const Scene& self, int64_t count, uint64_t seed) {
+  const scene::SurfaceSamples points = interruptible([&] {
+    scene::SamplerOptions options;
+    options.seed = seed;
+    options.filter_footprint = false;
+    options.environment_share = 0;
+    options.punctual_lights = false;
+    return scene::sample_surface(self.scene(), count, options);
+  });
+  return nb::make_tuple(array_of(points.position), array_of(points.normal));
+}
+
+std::tuple<std::vector<float>, std::vector<float>> bounds(const Scene& self) {
+  const Bounds box = self.scene().bounds();
+  return {{box.low.x, box.low.y, box.low.z}, {box.high.x, box.high.y, box.high.z}};
+}
+
+std::vector<std::string> camera_names(const Scene& self) {
+  std::vector<std::string> names;
+  for (const scene::Camera& camera : self.scene().cameras) names.push_back(camera.name);
+  return names;
+}
+
+}  // namespace
+
+void bind_scene(nb::module_& m) {
+  nb::class_<Scene>(m, "Scene")
+      .def_prop_ro("name", [](const Scene& self) { return self.scene().name; })
+      .def_prop_ro("triangles", [](const Scene& self) { return self.scene().triangle_count(); })
+      .def_prop_ro("bounds", &bounds)
+      .def_prop_ro("lights", [](const Scene& self) { return self.scene().light_groups; })
+      .def_prop_ro("cameras", &camera_names)
+      .def_prop_ro("ignored", [](const Scene& self) { return self.scene().ignored; })
+      .def("sample", &sample)
+      .def("save", [](const Scene& self, const std::string& path) {
+        const nb::gil_scoped_release unlocked;
+        scene::write_glb(path, self.scene());
+      });
+  m.def("load", &load);
+  m.def("generate_scene", &generate);
+  m.def("generate_dataset", &generate_dataset);
+}
+
+}  // namespace lte::python

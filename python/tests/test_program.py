@@ -1,0 +1,55 @@
+"""The tools as the program `lte`."""
+import re
+import signal
+import subprocess
+import sys
+import urllib.request
+
+import lte
+
+LTE = [sys.executable, "-m", "lte"]
+
+
+def run(*words):
+    return subprocess.run([*LTE, *map(str, words)], text=True, capture_output=True)
+
+
+def test_it_says_what_there_is():
+    bare, helped, wrong = run(), run("--help"), run("rendr")
+    assert (bare.returncode, helped.returncode, wrong.returncode) == (2, 0, 2)
+    assert "lte render" in helped.stdout and bare.stderr == helped.stdout
+    assert "rendr" in wrong.stderr and lte.__version__ in run("--version").stdout
+
+
+def test_tools_are_those_of_the_build(room_file, tmp_path, tool):
+    words = [room_file, "--size", "16x12", "--quality", "draft", "--set", "denoise=off", "--out"]
+    tool("lte_render", *words, tmp_path / "tool.exr")
+    assert run("render", *words, tmp_path / "python.exr").returncode == 0
+    assert (tmp_path / "python.exr").read_bytes() == (tmp_path / "tool.exr").read_bytes()
+
+
+def test_bad_input_is_one_line_and_1(tmp_path):
+    for words in (["render", "no.glb"], ["info", "no.glb"],
+                  ["probe", lte.living_room, "--points", "no.csv", "--out", tmp_path / "a.csv"],
+                  ["render", lte.living_room, "--integrator", "network"]):
+        ended = run(*words)
+        assert ended.returncode == 1 and ended.stderr.count("\n") == 1
+    assert run("render", "--sizes").returncode == 2
+
+
+def test_info_and_data(room_file, tmp_path):
+    assert "name: room\n" in run("info", room_file).stdout
+    assert "generate" in run("data", "--help").stdout
+
+
+def test_view_serves_its_page(room_file):
+    view = subprocess.Popen([*LTE, "view", room_file, "--port", "0"], text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    for line in view.stdout:
+        if found := re.search(r"http://\S+", line):
+            break
+    with urllib.request.urlopen(found.group(0), timeout=20) as page:
+        assert b"<html" in page.read()
+    view.send_signal(signal.SIGINT)
+    view.stdout.read()
+    assert view.wait(timeout=20) in (0, 130, -signal.SIGINT)
