@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lte/base/interruption.h"
+
 namespace lte::datagen {
 namespace {
 
@@ -23,6 +25,7 @@ TexturePtr rasterize(int size, const std::function<Rgb(float, float)>& color,
   std::vector<uint8_t> texels;
   texels.reserve(static_cast<size_t>(size) * static_cast<size_t>(size) * 3);
   for (int y = 0; y < size; ++y) {
+    Interruption::check();
     for (int x = 0; x < size; ++x) {
       const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size);
       const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(size);

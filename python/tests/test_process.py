@@ -84,7 +84,8 @@ scene.sample(3)
 @pytest.mark.parametrize("call", [
     "lte.render(scene, size=(640, 480), integrator='path', spp=4096).save(sys.argv[1])",
     "lte.render(scene, size=(1280, 960), seed=time.time_ns() % 9999).save(sys.argv[1])",
-    "lte.irradiance(scene, points, normals)", "lte.trace(scene, points, normals, rays=65536)"])
+    "lte.irradiance(scene, points, normals)", "lte.trace(scene, points, normals, rays=65536)",
+    "lte.generate_scene('homes', seed=time.time_ns() % 9999)"])
 def test_ctrl_c_ends_work(call, tmp_path):
     work = subprocess.Popen([sys.executable, "-c", WORK.format(call=call), tmp_path / "a.exr"],
                             text=True, stdout=subprocess.PIPE)

@@ -20,6 +20,8 @@ case "${1:-}" in
   -*) echo "wheel: unknown argument $1; see --help" >&2; exit 2 ;;
 esac
 [ $# -gt 0 ] || set -- python3
+# By the compiler's plain name, as other builds have it: ccache then knows most of the files.
+export CC=${CC:-cc} CXX=${CXX:-c++}
 fail() { echo "wheel: $*" >&2; exit 1; }
 
 # Licenses of what is compiled in, and of each library that auditwheel has added, as Debian states
@@ -74,7 +76,7 @@ make_wheel() {  # PYTHON; sets `wheel`
   rm -rf "$out/raw" "$out/unpacked"
   mkdir -p "$out/raw" "$out/unpacked"
   pip wheel -q --disable-pip-version-check ./python --no-deps --no-build-isolation \
-    -C build-dir="$root/build-wheel/$version" -w "$out/raw"
+    --config-settings build-dir="$root/build-wheel/$version" -w "$out/raw"
   raw=$(echo "$out"/raw/*.whl)
   auditwheel repair "$raw" -w "$out/raw/repaired" >"$out/raw/auditwheel.log" 2>&1 ||
     { cat "$out/raw/auditwheel.log"; fail "auditwheel refuses $raw"; }
