@@ -18,4 +18,5 @@ size = tuple(map(int, options.size.split("x")))
 picture = lte.render(scene, size=size, quality="preview")
 picture.save(options.out)
 depth = picture.layers["depth"]
-print(f"{options.out}: {scene!r}, surfaces {depth[depth > 0].min():.1f} to {depth.max():.1f} m away")
+near, far = depth[depth > 0].min(), depth.max()
+print(f"{options.out}: {scene!r}, surfaces {near:.1f} to {far:.1f} m away")

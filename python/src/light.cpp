@@ -50,15 +50,16 @@ nb::dict probe(const Scene& self, const Triples& points, const Triples& normals,
   return out;
 }
 
-/// Sums over the groups, or all of them.
-Array light_of(const std::vector<Rgb>& values, size_t groups, size_t points, bool by_light) {
-  if (by_light) {
-    const auto* first = reinterpret_cast<const float*>(values.data());
-    return array_of({first, first + 3 * values.size()}, {groups, points, 3});
+/// [groups, points, 3], or [points, 3] of the sum.
+Array light_of(const std::vector<Rgb>& values, const pathtrace::Irradiance& of, bool by_light) {
+  if (!by_light) {
+    std::vector<Rgb> sum = values;
+    sum.resize(static_cast<size_t>(of.points));  // without lamps there are no groups
+    return array_of(sum);
   }
-  std::vector<Rgb> sum(points);
-  for (size_t i = 0; i < values.size(); ++i) sum[i % points] += values[i];
-  return array_of(sum);
+  const auto* first = reinterpret_cast<const float*>(values.data());
+  return array_of({first, first + 3 * values.size()},
+                  {static_cast<size_t>(of.groups), static_cast<size_t>(of.points), 3});
 }
 
 nb::dict trace(const Scene& self, const Triples& points, const Triples& normals, int rays,
@@ -68,16 +69,16 @@ nb::dict trace(const Scene& self, const Triples& points, const Triples& normals,
     options.rays = rays;
     options.max_depth = depth;
     options.seed = seed;
+    options.by_group = by_light;
     return pathtrace::estimate_irradiance(*self.bvh(), *self.lights(), span_of(points),
                                           directions_of(normals), options);
   });
-  const auto groups = static_cast<size_t>(light.groups), count = static_cast<size_t>(light.points);
   std::vector<Rgb> error;
   for (const Rgb& variance : light.variance_total)
     error.push_back({std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)});
   nb::dict out;
-  out["direct"] = light_of(light.direct, groups, count, by_light);
-  out["indirect"] = light_of(light.indirect, groups, count, by_light);
+  out["direct"] = light_of(light.direct, light, by_light);
+  out["indirect"] = light_of(light.indirect, light, by_light);
   out["standard_error"] = array_of(error);
   return out;
 }

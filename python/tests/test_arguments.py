@@ -204,8 +204,8 @@ def test_files_that_are_no_scenes_are_named(tmp_path):
 
 def test_places_that_cannot_be_written_are_named(room, tmp_path):
     picture = lte.render(room, size=(8, 8), quality="draft", camera="auto")
-    for path, save in ((tmp_path / "no" / "a.png", picture.save), (tmp_path / "a.bmp", picture.save),
-                       (tmp_path / "no" / "a.glb", room.save)):
+    for path, save in ((tmp_path / "no" / "a.png", picture.save),
+                       (tmp_path / "a.bmp", picture.save), (tmp_path / "no" / "a.glb", room.save)):
         with pytest.raises(lte.Error) as caught:
             save(path)
         assert path.name in sentence(caught)

@@ -100,14 +100,15 @@ def mitsubas_room(mi):
     grey, black = ({"bsdf": {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {
         "type": "rgb", "value": value}}}} for value in (0.5, 0.0))
     lamp = {**black, "emitter": {"type": "area", "radiance": {"type": "rgb", "value": [5, 4, 3]}}}
-    up, down = at().rotate([1, 0, 0], -90), at().rotate([1, 0, 0], 90)
+    up, down, half = (at().rotate([1, 0, 0], -90), at().rotate([1, 0, 0], 90),
+                      at().scale([0.5, 0.5, 1]))
     return mi.load_dict({
         "type": "scene", "integrator": {"type": "path", "max_depth": 5, "rr_depth": 100},
         "floor": rectangle(up @ at().scale([2, 2, 1]), **grey),
         "wall": rectangle(at().translate([-2, 1.5, 0]) @ at().rotate([0, 1, 0], 90)
                           @ at().scale([2, 1.5, 1]), **grey),
-        "below": rectangle(at().translate([0, 2, 0]) @ down @ at().scale([0.5, 0.5, 1]), **lamp),
-        "above": rectangle(at().translate([0, 2.0001, 0]) @ up @ at().scale([0.5, 0.5, 1]), **lamp)})
+        "below": rectangle(at().translate([0, 2, 0]) @ down @ half, **lamp),
+        "above": rectangle(at().translate([0, 2.0001, 0]) @ up @ half, **lamp)})
 
 
 def test_mitsuba_sees_the_same_light(room, points):
