@@ -80,9 +80,9 @@ make_wheel() {  # PYTHON; sets `wheel`
   raw=$(echo "$out"/raw/*.whl)
   auditwheel repair "$raw" -w "$out/raw/repaired" >"$out/raw/auditwheel.log" 2>&1 ||
     { cat "$out/raw/auditwheel.log"; fail "auditwheel refuses $raw"; }
-  wheel unpack -q "$out"/raw/repaired/*.whl -d "$out/unpacked"
+  wheel unpack "$out"/raw/repaired/*.whl -d "$out/unpacked" >/dev/null
   add_licenses "$raw" "$(echo "$out"/unpacked/lte-*)" "$tools"
-  wheel pack -q "$(echo "$out"/unpacked/lte-*)" -d "$out"
+  wheel pack "$(echo "$out"/unpacked/lte-*)" -d "$out" >/dev/null
   wheel=$(ls -t "$out"/*.whl | head -1)
   check_wheel "$wheel" "$(echo "$out"/unpacked/lte-*)"
   rm -rf "$out/raw" "$out/unpacked"
