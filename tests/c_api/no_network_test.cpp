@@ -1,5 +1,5 @@
-// The C interface of a build without LibTorch: gathered and traced light as C++ has it, and one line
-// for whoever wants a network.
+// The C interface of a build without LibTorch: gathered and traced light as C++ has it, and one
+// line for whoever wants a network.
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
