@@ -227,7 +227,7 @@ TEST_F(Command, InfoSaysWhichUnitARoomMustBeIn) {
 TEST_F(Command, ReadsObjAndCountsItsFaults) {
   write_file(folder_ / "two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 1\nf 1 2 2\n");
   EXPECT_THAT(run("info two.obj").output,
-              AllOf(HasSubstr("triangles: 3\n"), HasSubstr("unit: metre, assumed"),
+              AllOf(HasSubstr("triangles: 3\n"), HasSubstr("unit: \"metre, assumed"),
                     HasSubstr("  duplicate_triangles: 1\n"), HasSubstr("degenerate_triangles: 1")));
   for (const char* command : {"bake", "probe", "info"}) {
     EXPECT_THAT(run(concat(command, " two.obj --validate-only")).output, HasSubstr("valid scene"));

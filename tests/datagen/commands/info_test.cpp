@@ -103,16 +103,16 @@ TEST(Info, TextIsYaml) {
                      {"none", Json::array()},
                      {"map", {{"note", "it's #1"}}}};
   EXPECT_EQ(to_text(info),
+            "name: \"a room, large\"\n"
+            "unit: metre\n"
             "hash: \"12e4\"\n"
+            "word: \"no\"\n"
             "list:\n"
             "  - {name: \"lamp: 3\", size: [1,2]}\n"
             "  - {name: lamp.4}\n"
-            "map:\n"
-            "  note: \"it's #1\"\n"
-            "name: \"a room, large\"\n"
             "none: []\n"
-            "unit: metre\n"
-            "word: \"no\"\n");
+            "map:\n"
+            "  note: \"it's #1\"\n");
 }
 
 TEST(Info, SunsHaveIrradiance) {
