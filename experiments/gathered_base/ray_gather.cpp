@@ -20,6 +20,7 @@ using pathtrace::kBlock;
 // Those of lte/gi/gather.cpp.
 constexpr int kRouletteDepth = 3;
 constexpr float kFiltered = 0.25f;
+constexpr size_t kStratified = 64;
 
 constexpr int64_t kGrain = 64;  // points
 
@@ -61,7 +62,7 @@ class RayGatherer : public pathtrace::LightSink {
         out_(*out),
         frame_(bvh.handles().origin),
         half_extent_(0.5f * max_component(bvh.bounds().extent())),
-        sampler_(pathtrace::Sampling::Sobol, options.rays),
+        sampler_(pathtrace::Sampling::Sobol, static_cast<int>(kStratified) * options.rays),
         transport_(bvh, lights, options.max_depth, kRouletteDepth, *this,
                    Observer{&bvh.handles(), &hits_, slot_of_path_.data(), out->distance.data(),
                             &cache, frame_, options.near * cache.radius(),
@@ -72,8 +73,11 @@ class RayGatherer : public pathtrace::LightSink {
               std::span<const Vec3> normals) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const Vec3 origin = pathtrace::offset_origin(positions[i], normals[i], half_extent_) - frame_;
-      sampler_.start_stream(options_.seed, i);
-      sampler_.start_set();
+      if (const size_t place = i % kStratified; place == 0 || i == static_cast<size_t>(begin)) {
+        sampler_.start_stream(options_.seed, i / kStratified);
+        sampler_.start_set();
+        sampler_.skip_paths(static_cast<uint32_t>(place) * static_cast<uint32_t>(options_.rays));
+      }
       for (int k = 0; k < options_.rays; ++k) {
         if (sampler_.paths() == kBlock) flush();
         const int lane = sampler_.paths();

@@ -30,11 +30,17 @@ def test_tools_are_those_of_the_build(room_file, tmp_path, tool):
 
 def test_bad_input_is_one_line_and_1(tmp_path):
     for words in (["render", "no.glb"], ["info", "no.glb"],
-                  ["probe", lte.living_room, "--points", "no.csv", "--out", tmp_path / "a.csv"],
-                  ["render", lte.living_room, "--integrator", "network"]):
+                  ["probe", lte.living_room, "--points", "no.csv", "--out", tmp_path / "a.csv"]):
         ended = run(*words)
         assert ended.returncode == 1 and ended.stderr.count("\n") == 1
     assert run("render", "--sizes").returncode == 2
+
+
+def test_a_network_is_there_or_refused_in_one_line(room_file):
+    ended = run("render", room_file, "--integrator", "network", "--validate-only")
+    if ended.returncode != 0:  # built without LibTorch, as the wheel is
+        assert ended.returncode == 1 and ended.stderr.count("\n") == 1
+        assert "no network" in ended.stderr
 
 
 def test_info_and_data(room_file, tmp_path):
