@@ -49,8 +49,8 @@ void check_usage(const ProbeRequest& r) {
 }
 
 /// The scene as the network reads it. Warns of light in it that the network does not know.
-EmbedSettings told_of(const ProbeRequest& request, const runtime::Network& network,
-                      const scene::PointTable& points, const Renderer& renderer) {
+EmbedSettings settings_for(const ProbeRequest& request, const runtime::Network& network,
+                           const scene::PointTable& points, const Renderer& renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed,
                                           runtime::MemoryLimit(request.tool.max_memory_mb));
   cull_lights(request.embedding, renderer.bvh(), network,
@@ -179,7 +179,7 @@ void run_probe(const ProbeRequest& request) {
       load_network(request, scene, renderer.has_light());
   files.check_what_was_read();
   EmbedSettings settings;
-  if (network) settings = told_of(request, *network, points, renderer);
+  if (network) settings = settings_for(request, *network, points, renderer);
   if (request.validate_only) {
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());

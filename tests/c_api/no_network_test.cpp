@@ -10,9 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/c_render.h"
-#include "lte/render/picture.h"
-#include "lte/render/progressive.h"
-#include "lte/scene/load.h"
+#include "tests/c_api/cpp_picture.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte {
@@ -27,9 +25,6 @@ TEST(CNoNetwork, PicturesAreTheCppLibrarys) {
   lte_camera camera = {};
   camera.struct_size = sizeof camera;
   ASSERT_EQ(lte_scene_get_camera(scene, 0, &camera), LTE_OK);
-  const scene::Scene loaded = scene::load_scene(kBox);
-  const pathtrace::Bvh bvh(loaded);
-  const pathtrace::Lights lights(loaded);
   for (const lte_method method : {LTE_METHOD_GATHER, LTE_METHOD_PATH}) {
     lte_integrator_options options = {};
     options.struct_size = sizeof options;
@@ -49,20 +44,7 @@ TEST(CNoNetwork, PicturesAreTheCppLibrarys) {
     EXPECT_EQ(lte_render(integrator, &camera, &passes, &to), LTE_OK) << lte_last_error();
     lte_integrator_release(integrator);
 
-    render::CacheSettings cache;
-    cache.records = 512;
-    const auto same = method == LTE_METHOD_PATH ? render::make_path({bvh, lights}, 5)
-                                                : render::make_gather({bvh, lights}, cache);
-    same->prepare();
-    render::RenderSettings settings;
-    if (method == LTE_METHOD_PATH) settings.path_samples = 4;
-    render::Film film(kWidth, kHeight);
-    render::Until until;
-    until.passes = 1;
-    render::render({bvh, lights}, *same, loaded.cameras[0], settings, until, &film);
-    const image::Denoiser denoiser;
-    const render::Frame frame =
-        render::make_picture(film, {.denoiser = &denoiser, .quality = image::OidnQuality::Fast});
+    const render::Frame frame = test::cpp_picture(kBox, method, kWidth, kHeight, 1);
     for (size_t i = 0; i < color.size(); ++i)
       ASSERT_EQ(color[i], frame.color.rgb(i)) << method << ", pixel " << i;
   }

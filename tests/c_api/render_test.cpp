@@ -17,6 +17,7 @@
 #include "lte/render/progressive.h"
 #include "lte/scene/export.h"
 #include "lte/scene/load.h"
+#include "tests/c_api/cpp_picture.h"
 #include "tests/c_api/support.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temp_dir.h"
@@ -94,29 +95,13 @@ struct Picture {
 
 TEST(CRender, PicturesAreTheCppLibrarysAndTheSumOfTheirLayers) {
   const Scene file;
-  const scene::Scene loaded = scene::load_scene(kBox);
-  const pathtrace::Bvh bvh(loaded);
-  const pathtrace::Lights lights(loaded);
   for (const lte_method method : {LTE_METHOD_GATHER, LTE_METHOD_PATH}) {
     Integrator integrator;
     const lte_integrator_options options = by(method);
     ASSERT_EQ(lte_integrator_create(file.it, &options, &integrator.it), LTE_OK) << lte_last_error();
     const Picture got(integrator.it, camera_of(file), passes(2));
 
-    render::CacheSettings cache;
-    cache.records = 512;
-    const auto same = method == LTE_METHOD_PATH ? render::make_path({bvh, lights}, 5)
-                                                : render::make_gather({bvh, lights}, cache);
-    same->prepare();
-    render::RenderSettings settings;
-    if (method == LTE_METHOD_PATH) settings.path_samples = 4;
-    render::Film film(kWidth, kHeight);
-    render::Until until;
-    until.passes = 2;
-    render::render({bvh, lights}, *same, loaded.cameras[0], settings, until, &film);
-    const image::Denoiser denoiser;
-    const render::Frame frame =
-        render::make_picture(film, {.denoiser = &denoiser, .quality = image::OidnQuality::Fast});
+    const render::Frame frame = test::cpp_picture(kBox, method, kWidth, kHeight, 2);
     for (size_t i = 0; i < kPixels; ++i) {
       ASSERT_EQ(got.color[i], frame.color.rgb(i)) << method << ", pixel " << i;
       ASSERT_EQ(got.indirect[i], frame.indirect.rgb(i));
