@@ -48,7 +48,7 @@ struct RenderSettings {
   std::function<void(double share)> progress;
 };
 
-/// The same settings with the passes and the denoiser of a quality.
+/// The same settings with the passes and the denoiser of a quality, for a picture of their size.
 RenderSettings with_quality(Quality quality, RenderSettings settings);
 /// The same with passes until a time is over, denoising included.
 RenderSettings with_time(double seconds, RenderSettings settings);

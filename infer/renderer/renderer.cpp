@@ -24,6 +24,11 @@ constexpr double kOidnBytes = 600, kMaxOidnMib = 768;
 /// between passes.
 constexpr int kPathsAPass = 256;
 
+/// Rays of a preview, in each pixel twice to eight times a pass's: the denoiser joins what lies
+/// near in the picture, so that a pixel of a large one needs fewer.
+constexpr int64_t kPreviewRays = 1'300'000;
+constexpr int64_t kFewestPasses = 2, kMostPasses = 8;
+
 /// Of a pixel, as a final picture has: record_paths().
 constexpr int kManyRays = 32;
 
@@ -32,6 +37,13 @@ constexpr int kManyRays = 32;
 constexpr double kCorrectedFrom = 12;
 /// A side of the picture that a denoiser is timed by.
 constexpr int kTimedSide = 128;
+
+/// Passes whose rays a preview gathers in its one.
+int preview_passes(const RenderSettings& settings) {
+  const int64_t rays = int64_t{settings.width} * settings.height * settings.gather_rays;
+  return static_cast<int>(
+      std::clamp(kPreviewRays / std::max<int64_t>(rays, 1), kFewestPasses, kMostPasses));
+}
 
 }  // namespace
 
@@ -42,11 +54,11 @@ RenderSettings with_quality(Quality quality, RenderSettings settings) {
       settings.denoise_quality = image::OidnQuality::Fast;
       break;
     case Quality::Preview:
-      // One pass: what samples of a point are stratified together is worth more than jitter. As
-      // many rays as light samples: they complete each other (lte/render/gather.cpp).
+      // One pass: what samples of a point are stratified together is worth more than jitter. Where
+      // rays are as many as light samples, they complete each other (lte/render/gather.cpp).
       settings.passes = 1;
-      settings.gather_rays *= 8;
-      settings.light_samples *= 8;
+      settings.gather_rays *= preview_passes(settings);
+      settings.light_samples *= static_cast<int>(kMostPasses);
       settings.denoise_quality = image::OidnQuality::Balanced;
       break;
     case Quality::Final:

@@ -23,7 +23,8 @@ constexpr int kPacket = 16;  // as many as any machine takes at once
 /// Traces primary rays in packets, which gain on coherent rays, and stores what they meet.
 class PrimaryTracer {
  public:
-  PrimaryTracer(const Bvh& bvh, const scene::Camera& camera, int width, int height, GBuffer* out)
+  PrimaryTracer(const Bvh& bvh, const scene::Camera& camera, int width, int height, float covered,
+                GBuffer* out)
       : bvh_(bvh),
         rays_(camera),
         out_(out),
@@ -31,7 +32,7 @@ class PrimaryTracer {
         height_(static_cast<float>(height)),
         axis_(normalize(camera.target - camera.origin)),
         origin_(camera.origin - bvh.handles().origin),
-        pixel_size_(pixel_size(camera, height)) {}
+        footprint_(covered * pixel_size(camera, height)) {}
 
   /// Traces `count` image points, at most kPacket, into places `first` and following.
   void trace(const Vec2* points, int count, size_t first, scene::TexelDensities* texels) const {
@@ -85,7 +86,7 @@ class PrimaryTracer {
                                              {hit.Ng_x[lane], hit.Ng_y[lane], hit.Ng_z[lane]});
     const Vec3 d{packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]};
     const float cos_front = -dot(point.normal, d);
-    const float footprint = packet.ray.tfar[lane] * pixel_size_;
+    const float footprint = packet.ray.tfar[lane] * footprint_;
     Rgb emission = record.emission;
     if (record.uniform) {
       out_->albedo[i] = record.albedo;
@@ -132,7 +133,7 @@ class PrimaryTracer {
   GBuffer* out_;
   float width_, height_;
   Vec3 axis_, origin_;
-  float pixel_size_;
+  float footprint_;  // at depth 1, in metres
 };
 
 /// Makes room for hits up to `width` * `height`.
@@ -195,7 +196,7 @@ GBuffer trace_gbuffer_rows(const Bvh& bvh, const scene::Camera& camera, int widt
             " do not lie in a picture of ", height);
   GBuffer out;
   resize(bvh, width, last - first, &out);
-  const PrimaryTracer tracer(bvh, camera, width, height, &out);
+  const PrimaryTracer tracer(bvh, camera, width, height, 1, &out);
   parallel_for(last - first, 4, [&](int64_t begin, int64_t end) {
     std::array<Vec2, kPacket> points;
     scene::TexelDensities texels;
@@ -237,11 +238,11 @@ GBuffer rows_of(const GBuffer& hits, int first, int last) {
 }
 
 void append_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
-                         std::span<const Vec2> points, GBuffer* row) {
+                         std::span<const Vec2> points, GBuffer* row, float covered) {
   check_view(camera, width, height);
   const size_t known = row->mask.size();
   resize(bvh, static_cast<int>(known + points.size()), 1, row);
-  const PrimaryTracer tracer(bvh, camera, width, height, row);
+  const PrimaryTracer tracer(bvh, camera, width, height, covered, row);
   const auto count = static_cast<int64_t>(points.size());
   parallel_for(count, int64_t{64} * kPacket, [&](int64_t begin, int64_t end) {
     scene::TexelDensities texels;

@@ -47,8 +47,9 @@ GBuffer rows_of(const GBuffer& hits, int first, int last);
 /// Hits through any points of a picture of this size, after those of a row that is there or begins
 /// empty.
 /// @param points  in pixels: (0.5, 0.5) is the centre of the first
+/// @param covered  edge in pixels of what albedo, emission and metal are filtered over
 void append_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
-                         std::span<const Vec2> points, GBuffer* row);
+                         std::span<const Vec2> points, GBuffer* row, float covered = 1);
 
 /// Edge of what a pixel covers at depth 1, in metres.
 float pixel_size(const scene::Camera& camera, int height);

@@ -89,7 +89,10 @@ void PixelRays::see() {
       points[i * rays + k] = {x + in_pixel.x, y + in_pixel.y};
     }
   });
-  pathtrace::append_image_points(scene_.bvh, camera_, film_.width, film_.height, points, &hits_);
+  // Rays of a pixel that are spread over it filter its texture together.
+  const int of_pixel = is_center() ? 1 : std::max(rays_.count, film_.passes + 1);
+  pathtrace::append_image_points(scene_.bvh, camera_, film_.width, film_.height, points, &hits_,
+                                 1 / std::sqrt(static_cast<float>(of_pixel)));
   if (!hits_.metallic.empty() && film_.has_metal.empty()) {
     film_.has_metal.resize(film_.pixels());
     film_.metal.resize(film_.pixels());

@@ -113,13 +113,13 @@ Picture make_picture(Scene* scene, int width, int height, const std::string& cam
                      const std::string& quality, double seconds, int spp, const std::string& output,
                      int depth, uint64_t seed, bool denoise) {
   infer::RenderSettings settings;
+  settings.width = width;
+  settings.height = height;
   argument([&] {
     settings.output = parse_enum<render::Output>("output", output);
     settings.method = parse_enum<render::Method>("integrator", integrator);
     settings = infer::with_quality(parse_enum<infer::Quality>("quality", quality), settings);
   });
-  settings.width = width;
-  settings.height = height;
   settings.max_depth = depth;
   settings.seed = seed;
   settings.denoise = denoise;

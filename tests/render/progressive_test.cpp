@@ -10,6 +10,7 @@
 
 #include "lte/base/parallel.h"
 #include "lte/base/timer.h"
+#include "lte/pathtrace/gbuffer.h"
 #include "lte/pathtrace/render.h"
 #include "lte/render/picture.h"
 #include "tests/render/scenes.h"
@@ -125,6 +126,49 @@ TEST(Progressive, IrradianceHasNoTextureAndLampsAreNoPart) {
   const Frame frame = make_picture(film, {Output::Irradiance, nullptr, {}});
   const double expected = kPi * 2 * (1 - 1.0 / 16);  // pi L (a + a² + a³ + a⁴)
   EXPECT_NEAR(mean_of(frame.color), expected, 0.03 * expected);
+}
+
+/// The mean over many rays a pixel that read the finest texels.
+image::Image unfiltered_albedo(const test::Traced& traced, int rays) {
+  std::vector<Vec2> places;
+  for (int i = 0; i < kWidth * kHeight * rays * rays; ++i) {
+    const int pixel = i / (rays * rays), k = i % (rays * rays);
+    const auto at = [&](int whole, int part) {
+      return static_cast<float>(whole) +
+             (static_cast<float>(part) + 0.5f) / static_cast<float>(rays);
+    };
+    places.push_back({at(pixel % kWidth, k % rays), at(pixel / kWidth, k / rays)});
+  }
+  pathtrace::GBuffer hits;
+  pathtrace::append_image_points(traced.bvh, camera(), kWidth, kHeight, places, &hits, 0);
+  image::Image out(kWidth, kHeight, 3);
+  for (size_t i = 0; i < places.size(); ++i) {
+    const size_t pixel = i / static_cast<size_t>(rays * rays);
+    out.set_rgb(pixel, out.rgb(pixel) + hits.albedo[i] * (1 / static_cast<float>(rays * rays)));
+  }
+  return out;
+}
+
+TEST(Progressive, RaysOfAPixelFilterItsTextureTogether) {
+  // Rows of texels 32 times as wide as columns: a square of texels that covers a pixel covers
+  // many columns, so that a ray alone sees rows blurred.
+  constexpr int kColumns = 1024, kRows = 32;
+  std::vector<uint8_t> texels;
+  for (int row = 0; row < kRows; ++row)
+    texels.insert(texels.end(), size_t{3} * kColumns, row % 2 == 0 ? 255 : 40);
+  scene::Scene scene;
+  scene.textures.push_back(std::make_shared<scene::Texture>(kColumns, kRows, texels, false));
+  const int wall = test::add_material(&scene, {1, 1, 1});
+  scene.materials.back().base_color_texture.texture = 0;
+  test::add_quad(&scene, {-2, -2, 0}, {6, 0, 0}, {0, 6, 0}, wall);
+  const Room room(std::move(scene));
+  RenderSettings settings;
+  settings.indirect = settings.direct = false;
+  const image::Image truth = unfiltered_albedo(room.traced, 16);
+  const Film one = room.film(*room.gather, settings, passes(1));
+  const Film many = room.film(*room.gather, settings, passes(64));
+  EXPECT_LT(difference(many.mean(many.albedo), truth), 0.08);
+  EXPECT_GT(difference(one.mean(one.albedo), truth), 0.3);
 }
 
 TEST(Progressive, TheSameSeedIsTheSameFilmByAnyNumberOfThreads) {

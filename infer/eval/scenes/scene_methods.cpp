@@ -79,8 +79,9 @@ class Stopwatch {
 
 bool asks_model(const std::string& word) { return word == "network" || word == "decoded"; }
 
-RenderSettings settings_of(const SceneMethod& method) {
-  RenderSettings out = with_quality(method.quality, {});
+/// @param out  the picture's size and what else all methods share
+RenderSettings settings_of(const SceneMethod& method, RenderSettings out) {
+  out = with_quality(method.quality, out);
   switch (method.kind) {
     case SceneMethodKind::Network:
       out.method = Method::Network;
@@ -170,11 +171,12 @@ ScenePictures ScenePainter::paint(const SceneMethod& method) {
   ScenePictures out;
   Renderer& renderer = *view_.renderer;
   if (method.model != nullptr) out.seconds = embed(*method.model);
-  RenderSettings settings = settings_of(method);
+  RenderSettings settings;
   settings.width = settings_.width;
   settings.height = settings_.height;
   settings.max_depth = settings_.max_depth;
   settings.seed = settings_.seed;
+  settings = settings_of(method, settings);
   const bool decodes = method.kind == SceneMethodKind::Decoded;
   const Stopwatch watch;
   if (decodes) settings.output = Output::Direct;
