@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lte/base/check.h"
+#include "lte/base/random.h"
 #include "lte/gi/gather.h"
 
 namespace lte::gi {
@@ -14,6 +15,11 @@ constexpr size_t kSampled = 4;
 // Light in the housing of a lamp is many times what any guess of a room has there, and nobody sees
 // it: ratios beyond so many medians do not count.
 constexpr float kOutlier = 4;
+
+// Reflections of the leveled guess. One level for a whole scene is wrong in the single rooms of
+// it, the less so the more often the scene itself has carried the light; two rounds have what four
+// have.
+constexpr int kReflections = 2;
 
 /// Of records, every kSampled-th.
 CacheRecords picked(const CacheRecords& records) {
@@ -57,7 +63,7 @@ float median(std::vector<std::pair<float, float>> value_and_weight) {
   return 0;
 }
 
-/// How bright the guess has to be in a channel.
+/// How bright the guess has to be in a channel, for light of so many bounces.
 /// @param both, direct  a reflection of direct light with the guess and without it, [records]
 float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::span<const Rgb> both,
                std::span<const Rgb> direct, int channel, int bounces) {
@@ -79,7 +85,7 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
   if (!(guessed > 0)) return 0;
   const double passed = std::clamp(more / guessed, 0.0, 1.0);
   double series = 0;
-  for (int bounce = 1; bounce < bounces; ++bounce) series = 1 + passed * series;
+  for (int bounce = 0; bounce < bounces; ++bounce) series = 1 + passed * series;
   return static_cast<float>(once * series / guessed);
 }
 
@@ -96,7 +102,7 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   gather.max_depth = std::max(options.max_depth, 2);
   gather.seed = options.seed;
   // A gather over the cache adds a bounce to the last.
-  const int bounces = options.max_depth - 2;
+  const int bounces = options.max_depth - 2, rounds = std::min(kReflections, bounces);
   std::vector<Rgb> indirect(direct.size());
   const auto gathered = [&](const IrradianceCache& cache, const CacheRecords& at) {
     const bool bumpy = !at.start_shading.empty();
@@ -118,9 +124,12 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   const std::vector<Rgb> f = picked(reached), of_both = gathered(both, some),
                          of_direct = gathered(both.answering(direct), some);
   Rgb level;
-  for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, bounces);
+  for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, bounces - rounds);
   for (size_t i = 0; i < indirect.size(); ++i) indirect[i] = reached[i] * level;
-  indirect = gathered(cache.relit(records, sum_of(direct, indirect)), records);
+  for (int round = 0; round < rounds; ++round) {
+    gather.seed = hash_combine(options.seed, static_cast<uint64_t>(round));
+    indirect = gathered(cache.relit(records, sum_of(direct, indirect)), records);
+  }
   return cache.relit(records, sum_of(direct, indirect));
 }
 

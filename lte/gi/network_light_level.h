@@ -23,8 +23,8 @@ struct LevelOptions {
   uint64_t seed = 0;
 };
 
-/// Replaces the indirect light of records, a guess, by one gather over their direct light and the
-/// guess, whose level is set beforehand.
+/// Replaces the indirect light of records, a guess, by two gathers, one upon the other, over their
+/// direct light and the guess, whose level is set beforehand.
 ///
 /// The level: let K be one reflection by the scene, D direct light and f the guess. Gathered rays
 /// at a part of the records measure Σ K D and λ = Σ K f / Σ f, one step of the power method. Light

@@ -64,8 +64,8 @@ TEST_F(EvenlyLitBox, AnyEvenGuessGivesTheSeries) {
   }
 }
 
-TEST_F(EvenlyLitBox, WithoutAGuessLightIsReflectedOnce) {
-  EXPECT_NEAR(light(0, 5).x, kPi * (1 + kAlbedo), 0.01f * kPi);
+TEST_F(EvenlyLitBox, WithoutAGuessLightIsReflectedTwice) {
+  EXPECT_NEAR(light(0, 5).x, kPi * (1 + kAlbedo + kAlbedo * kAlbedo), 0.01f * kPi);
 }
 
 TEST_F(EvenlyLitBox, DepthTwoLeavesDirectLightAlone) { EXPECT_NEAR(light(7, 2).x, kPi, 1e-4f); }
