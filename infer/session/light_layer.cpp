@@ -11,9 +11,8 @@
 namespace lte::infer {
 namespace {
 
-// Of Accuracy::Coarse: one of so many points, and rounds of the search for light.
+// Of Accuracy::Coarse: one of so many points.
 constexpr int64_t kDraftShare = 2;
-constexpr int kDraftRounds = 2;
 
 std::set<int> shining_suns(const SceneEdits& edits) {
   std::set<int> groups;
@@ -119,7 +118,6 @@ GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   Timer timer;
   pathtrace::ReachRecall recall{before.points != nullptr ? &before.points->reach : nullptr,
                                 before.changed, &out.reach};
-  if (!whole) recall.rounds = kDraftRounds;
   recall.check = check;
   out.surface = embed::sample_scene_points(bvh, count, prune, settings.seed, &out.pruned, recall,
                                            settings.culled_lights);

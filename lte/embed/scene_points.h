@@ -19,7 +19,7 @@ namespace lte::embed {
 
 /// Raised by every change after which the same seed draws other points, or other light is estimated
 /// on them: of embeddings that are kept.
-inline constexpr int kScenePointsVersion = 2;
+inline constexpr int kScenePointsVersion = 3;
 
 /// Draws the points that describe a scene to the network, as every tool does.
 /// @param prune   draw them only where light reaches

@@ -2,7 +2,7 @@
 // cost as much as any other point and have nothing to say.
 //
 // A point is kept if
-//   1. any of up to 84 paths from it carries light (4, then 16, then 64, as long as all were dark),
+//   1. any of up to 20 paths from it carries light (4, and 16 more where all were dark),
 //      each of at most `max_depth` hits, with a light sample at every vertex that draws all light
 //      groups alike, so that a faint lamp in a closed room is found beside bright ones outside; or
 //   2. a vertex of those paths sees a point nearby that is kept: then there is a way for light to

@@ -36,9 +36,9 @@ struct ReachRecall {
   /// Where surfaces have been taken away or put since. Light and colors are the same.
   std::span<const Bounds> changed = {};
   ReachMemory* now = nullptr;  ///< gets what this search finds; may be null
-  /// Of condition 1 (reach.h): 1 to 3, for 4, 20 or 84 paths at most. Fewer take some points for
+  /// Of condition 1 (reach.h): 1 or 2, for 4 or 20 paths at most. Fewer take some points for
   /// dark that little light reaches.
-  int rounds = 3;
+  int rounds = 2;
   /// Called now and then by any thread; what it throws ends the search. May be null.
   std::function<void()> check = {};
 };
@@ -46,7 +46,7 @@ struct ReachRecall {
 /// sample_reached_surface() that takes a point for dark if it was so before and no path from it had
 /// come to a place that has changed. Points at the same number count as the same if they lie within
 /// a thousandth of the scene's extent.
-/// @note A change that none of 84 paths from a point met, and that yet lets light through to it, is
+/// @note A change that none of 20 paths from a point met, and that yet lets light through to it, is
 ///       missed.
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
                                              const scene::SamplerOptions& sampler, Purpose purpose,

@@ -16,9 +16,8 @@
 namespace lte::pathtrace {
 namespace {
 
-constexpr std::array<int, kReachRounds> kPathsOfRounds{4, 16, 64};
-/// Paths that all places of a pocket have together, after which it counts as dark: three times
-/// those of a place that is alone.
+constexpr std::array<int, kReachRounds> kPathsOfRounds{4, 16};
+/// Paths that all places of a pocket have together, after which it counts as dark.
 constexpr int64_t kPathsOfPocket = 256;
 constexpr int64_t kGrain = 64;
 constexpr int kMaxRays = 3;          // from a vertex to places nearby

@@ -12,7 +12,7 @@
 namespace lte::pathtrace {
 
 /// Rounds of condition 1 (reach.h).
-inline constexpr int kReachRounds = 3;
+inline constexpr int kReachRounds = 2;
 
 /// Bits of a point's sides where paths have found light.
 inline constexpr uint8_t kFrontLit = 1, kBackLit = 2;
