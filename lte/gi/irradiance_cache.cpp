@@ -54,6 +54,7 @@ IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& 
     radius_ = static_cast<float>(sum / static_cast<double>(radii.size()));
     index_ = SurfaceIndex(records.position, records.normal, radii, kCell);
     index_.pack();
+    lamps_ = NearLamps(bvh.scene(), options.near_lamps * radius_);
   }
   std::vector<Walls> around(records_.size());
   std::vector<uint8_t> has_walls(records_.size());
@@ -131,7 +132,8 @@ void IrradianceCache::silence_dark_sheets(const CacheRecords& records) {
                     });
   }
   for (uint32_t i = 0; i < records_.size(); ++i) {
-    records_[i].silent = !reached[i];
+    // What stands near a lamp knows light that ends there: it would carry it on.
+    records_[i].silent = !reached[i] || lamps_.above(records.position[i], records.normal[i]);
   }
 }
 
@@ -177,6 +179,7 @@ bool IrradianceCache::Walls::hides(const Vec3& offset) const {
 }
 
 bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const {
+  if (lamps_.above(position, normal)) return false;
   Rgb sum;
   float weights = 0, total = 0, direct = 0, squares = 0, noise = 0;
   index_.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {

@@ -13,6 +13,7 @@
 
 #include "lte/base/math.h"
 #include "lte/gi/cache_records.h"
+#include "lte/gi/near_lamps.h"
 #include "lte/gi/surface_index.h"
 #include "lte/pathtrace/bvh.h"
 
@@ -30,6 +31,8 @@ struct CacheOptions {
   float uneven = 0.35f;
   /// Added to that bound, over the mean total irradiance of all lit records by area.
   float even_below = 0.05f;
+  /// Nearer than so many mean radii to a small lamp the cache does not know the light (NearLamps).
+  float near_lamps = 0.5f;
 };
 
 /// Irradiance at any place of the surfaces, interpolated between records. Thread-safe.
@@ -94,6 +97,7 @@ class IrradianceCache {
     uint32_t walls = kNone;       ///< index into walls_
     bool silent = false;          ///< says nothing
   };
+  NearLamps lamps_;
   SurfaceIndex index_;
   std::vector<Record> records_;
   std::vector<Walls> walls_;

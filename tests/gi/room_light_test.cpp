@@ -115,7 +115,8 @@ INSTANTIATE_TEST_SUITE_P(
         RoomCase{"Shelves", test::shelves, 0.04, 0.1},
         RoomCase{"OpenFront", test::open_front, 0.04, 0.08},
         RoomCase{"SunThroughBars", test::sun_through_bars, 0.05, 0.12},
-        RoomCase{"Cups", [] { return test::cups(); }, 0.12, 0.35}),
+        RoomCase{"SmallLamps", test::small_lamps, 0.02, 0.11},
+        RoomCase{"Cups", [] { return test::cups(); }, 0.06, 0.4}),
     [](const testing::TestParamInfo<RoomCase>& at) { return std::string(at.param.name); });
 
 TEST(RoomLight, OfAFurnaceIsExact) {

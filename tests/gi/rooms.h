@@ -183,6 +183,21 @@ inline scene::Scene cups(float sphere_radius = 0.02f) {
   return scene;
 }
 
+/// A hall with 64 small lamps that hang close under its ceiling and light it from below.
+inline scene::Scene small_lamps() {
+  scene::Scene scene;
+  const int white = add_material(&scene, {0.7f, 0.7f, 0.7f}, {}, true);
+  const int lamp = add_material(&scene, {}, {40, 40, 40}, true);
+  add_room(&scene, {0, 0, 0}, {8, 3, 8}, white);
+  add_block(&scene, {3, 0, 3}, {5, 0.9f, 5}, white);
+  for (int i = 0; i < 64; ++i) {
+    const auto x = static_cast<float>(i % 8) + 0.46f, z = static_cast<float>(i / 8) + 0.46f;
+    add_panel(&scene, {x, 2.95f, z}, 0.08f, 0.08f, lamp);
+  }
+  add_camera(&scene, {7.5f, 1.6f, 7.5f}, {2, 1.2f, 2});
+  return scene;
+}
+
 /// A box without a front: light that leaves is lost.
 inline scene::Scene open_front() {
   scene::Scene scene;
