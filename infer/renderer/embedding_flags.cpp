@@ -18,8 +18,10 @@ void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
 }
 
 void add_embedding_keys(SetKeys* keys, EmbeddingFlags* flags) {
-  keys->add("scene_points", &flags->scene_points, 0, int64_t{1} << 28,
-            "scene points shown to the network; 0: as many as in training");
+  keys->add(
+      "scene_points", &flags->scene_points, 0, int64_t{1} << 28,
+      "scene points shown to the network; 0: as many as in training, or a fourth of them where "
+      "rays gather what it knows and few luminaires share them");
   keys->add("prune", &flags->prune, {"auto", "on", "off"},
             "show the network only surfaces that light reaches, and only light that reaches what "
             "is seen; auto: as in its training");
