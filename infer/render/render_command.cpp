@@ -172,9 +172,10 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
   return std::nullopt;
 }
 
-/// Rays gather what the network knows at records, which take their level from the scene: a fourth
-/// of the points that it was trained on answer as well there, in a fourth of the time. Not where
-/// many luminaires share them, nor in files, which are read by tools that have no such rays.
+/// Rays gather what the network knows at records, which take their level from the scene: with a
+/// fourth of the points that it was trained on its error is 1 to 3 % larger there, in a third of
+/// the time. Not where many luminaires share the points, nor for files, which tools without such
+/// rays read too.
 int64_t scene_points(const RenderRequest& request, const scene::Scene& scene,
                      const runtime::Network& network) {
   if (request.embedding.scene_points > 0) return request.embedding.scene_points;
