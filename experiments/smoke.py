@@ -96,6 +96,32 @@ def guiding(subject):
               f"{row['name']}: mean within {100 * error:.1f} % of unguided paths")
 
 
+def paper(subject):
+    stored, fused = (subject.run("memory", "--network", "vanilla", "--primitives", 2048, "--side",
+                                 8, "--channels", 32, "--attention", how)["peak_rss_mb"]
+                     for how in ("stored", "fused"))
+    check(stored > fused + 14 * 2048 ** 2 * 4 / 2 ** 20,
+          f"attention that is stored takes more memory ({stored:.0f} MB) than fused ({fused:.0f})")
+    sample = subject.folder / "box.safetensors"
+    subject.tool("lte_datagen", "bake", BOX, "--out", sample, "--queries", 2000, "--rays", 16,
+                 "--scene-points", 1024, "--views", 0, "--quiet")
+    for method in ("grid", "latents-mean", "latents-decoder"):
+        result = subject.run("by-heart", sample, "--method", method, "--seconds", 2, "--batch", 512)
+        last = result["looks"][-1]["held_out_relmse"]
+        check(last < 0.5 * result["first_relmse"], f"{method} learns the box: error {last:.3f}")
+    data = subject.folder / "data"
+    subject.tool("lte_datagen", "generate", "--config", ROOT / "configs/data/boxes_small.yaml",
+                 "--out", data, "--scenes", 6, "--set", "rays=16", "--set", "query_points=256",
+                 "--set", "scene_points=256", "--set", "val_share=0.34", "--set", "test_share=0",
+                 "--set", "views.rays=1", "--set", "light_paths=1", "--quiet")
+    for network in ("vanilla", "encoder", "whole"):
+        result = subject.run("roadmap", "--network", network, "--config",
+                             ROOT / "configs/train/shipped.yaml", "--data", data, "--steps", 20,
+                             "--set", "data.scene_points=256", "--set",
+                             "data.queries_per_scene=128", "--set", "train.warmup_steps=2")
+        check(0 < result["loss"] < result["first_loss"], f"{network} learns in 20 steps")
+
+
 def replay(subject):
     rows = subject.run(BOX, "--points", 50, "--paths", 32, "--seconds", 0.01)
     stopped = {row["stopped"] for row in rows if "stopped" in row}
@@ -120,7 +146,7 @@ def stability(subject):
 
 def main():
     subjects = {f.__name__: f for f in (attention, consistency, directions, gathered_base,
-                                        guiding, replay, sampling, stability)}
+                                        guiding, paper, replay, sampling, stability)}
     if len(sys.argv) != 3 or sys.argv[2] not in subjects:
         sys.exit(f"{__doc__.strip()}\nsubjects: {', '.join(subjects)}")
     with tempfile.TemporaryDirectory() as folder:

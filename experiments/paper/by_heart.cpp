@@ -1,0 +1,203 @@
+// experiment_paper by-heart: what learns one scene best in equal time, a hash grid or latents at
+// scene points.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <torch/optim/adam.h>
+#include <torch/types.h>
+
+#include "bench/begin_command.h"
+#include "experiments/paper/by_heart_models.h"
+#include "experiments/paper/commands.h"
+#include "infer/tool/tool_options.h"
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+#include "lte/cli/numbers.h"
+#include "lte/nn/cost.h"
+#include "lte/nn/loss.h"
+#include "lte/nn/model_parts.h"
+#include "lte/ops/farthest_point.h"
+#include "train/data/example.h"
+
+namespace lte::experiments {
+namespace {
+
+constexpr double kScale = 16;          // s, metres
+constexpr int64_t kHeldOutEvery = 10;  // of the queries
+constexpr int kLooks = 8;              // at the held-out error in the course of the time
+constexpr double kGridRate = 1e-2, kLatentRate = 3e-3;
+constexpr nn::LossConfig kLoss = {
+    .epsilon = 0.01, .detach_denominator = true, .space = nn::LossSpace::Linear};
+
+struct Request {
+  std::string sample, method = "grid";
+  double seconds = 30;
+  int64_t batch = 4096, log2_entries = 15, queries = 0;
+  uint64_t seed = 1;
+  CommonOptions common;
+};
+
+/// The scene's queries in the two parts that are learnt and held out, and where latents may lie.
+struct Task {
+  at::Tensor attributes, target;  ///< [Q, 9], [Q, 3]
+  nn::Surface query, anchor;
+  at::Tensor learnt, held_out;  ///< rows of the queries
+  double spacing = 1, extent = 1, output_mean = 1;
+};
+
+Task make_task(const Request& request) {
+  const train::TrainingScene scene = train::read_training_scene(request.sample, request.sample);
+  LTE_CHECK(scene.query_points() >= 2 * kHeldOutEvery, request.sample, ": has ",
+            scene.query_points(), " query points; expected at least ", 2 * kHeldOutEvery);
+  Rng rng(request.seed);
+  const train::Example example = train::make_example(
+      scene, train::identity_symmetry(scene.light_groups), /*scene_points=*/0, /*queries=*/0, &rng);
+  const at::Tensor origin = std::get<0>(example.points.position.min(0));
+  const at::Tensor points = (example.points.position - origin).div(kScale).contiguous();
+  const auto [picks, distance] =
+      ops::farthest_point_sampling(points, nn::latent_count(points.size(0)));
+  Task task;
+  task.query = {(example.queries.position - origin).div(kScale), example.queries.normal};
+  task.attributes =
+      nn::surface_attributes(task.query.position, task.query.normal, example.queries.albedo);
+  task.anchor = {points.index_select(0, picks), example.points.normal.index_select(0, picks)};
+  task.spacing = std::sqrt(std::max(distance[-1].item<double>(), 1e-12));
+  task.extent = std::max(points.max().item<double>(), 1e-6);
+  const at::Tensor row = at::arange(example.target.size(0));
+  task.held_out = at::nonzero(row % kHeldOutEvery == 0).squeeze(1);
+  task.learnt = at::nonzero(row % kHeldOutEvery != 0).squeeze(1);
+  if (request.queries > 0)
+    task.learnt = task.learnt.narrow(0, 0, std::min(request.queries, task.learnt.size(0)));
+  const double mean = example.target.mean().item<double>();
+  LTE_CHECK(mean > 0, request.sample, ": no indirect light reaches its query points");
+  task.target = example.target.div(mean);
+  return task;
+}
+
+std::shared_ptr<ByHeartImpl> make_network(const Request& request, const Task& task) {
+  if (request.method == "grid") {
+    HashGridConfig config;
+    config.log2_entries = request.log2_entries;
+    return std::make_shared<GridByHeart>(config, task.extent, task.output_mean);
+  }
+  nn::ModelConfig config = nn::ModelConfig::of(nn::Preset::Lte);
+  config.channels = 32;
+  config.dropout = 0;
+  config.light_input = nn::LightInput::Emission;
+  return std::make_shared<LatentsByHeart>(
+      request.method == "latents-mean" ? LatentReader::Mean : LatentReader::Decoder, task.anchor,
+      task.spacing, config);
+}
+
+at::Tensor answer(ByHeartImpl& network, const Task& task, const at::Tensor& rows) {
+  return network.forward(
+      task.attributes.index_select(0, rows),
+      {task.query.position.index_select(0, rows), task.query.normal.index_select(0, rows)});
+}
+
+/// Mean squared error over the mean square of the target.
+double relative_error(ByHeartImpl& network, const Task& task, const at::Tensor& rows) {
+  const at::NoGradGuard no_grad;
+  constexpr int64_t kBlock = 16'384;
+  double error = 0, square = 0;
+  for (int64_t begin = 0; begin < rows.size(0); begin += kBlock) {
+    const at::Tensor block = rows.slice(0, begin, begin + kBlock);
+    const at::Tensor target = task.target.index_select(0, block);
+    error += (answer(network, task, block) - target).square().sum().item<double>();
+    square += target.square().sum().item<double>();
+  }
+  return error / square;
+}
+
+nlohmann::json learn(ByHeartImpl& network, const Task& task, const Request& request) {
+  const double rate = request.method == "grid" ? kGridRate : kLatentRate;
+  torch::optim::Adam optimizer(network.parameters(), torch::optim::AdamOptions(rate).eps(1e-12));
+  nlohmann::json looks = nlohmann::json::array();
+  int64_t steps = 0;
+  double used = 0;  // processor seconds of steps alone
+  while (used < request.seconds) {
+    const std::clock_t begin = std::clock();
+    const at::Tensor rows =
+        task.learnt.index_select(0, at::randint(task.learnt.size(0), {request.batch}, at::kLong));
+    const double share = std::min(1.0, used / request.seconds);
+    for (auto& group : optimizer.param_groups())
+      group.options().set_lr(rate * (0.01 + 0.99 * 0.5 * (1 + std::cos(M_PI * share))));
+    optimizer.zero_grad();
+    nn::relative_loss(answer(network, task, rows), task.target.index_select(0, rows), kLoss)
+        .backward();
+    optimizer.step();
+    ++steps;
+    used += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    const double due =
+        request.seconds * static_cast<double>(looks.size() + 1) / static_cast<double>(kLooks);
+    if (used < due) continue;
+    const double error = relative_error(network, task, task.held_out);
+    LTE_CHECK(std::isfinite(error), "step ", steps, ": the error is not finite");
+    looks.push_back({{"seconds", used}, {"steps", steps}, {"held_out_relmse", error}});
+  }
+  return looks;
+}
+
+void run(const Request& request) {
+  CommandFiles files;
+  files.reads("SAMPLE", request.sample);
+  bench::begin_command(request.common, &files);
+  torch::manual_seed(request.seed);
+  const Task task = make_task(request);
+  const std::shared_ptr<ByHeartImpl> network = make_network(request, task);
+  int64_t parameters = 0;
+  for (const at::Tensor& parameter : network->parameters()) parameters += parameter.numel();
+  const double first = relative_error(*network, task, task.held_out);
+  const nlohmann::json looks = learn(*network, task, request);
+  const int64_t every =
+      std::max<int64_t>(1, task.learnt.size(0) / std::max<int64_t>(1, task.held_out.size(0)));
+  const at::Tensor seen = task.learnt.slice(0, 0, task.learnt.size(0), every);
+  const nlohmann::json json = {{"method", request.method},
+                               {"log2_entries", request.log2_entries},
+                               {"seed", request.seed},
+                               {"learnt_queries", task.learnt.size(0)},
+                               {"held_out_queries", task.held_out.size(0)},
+                               {"latents", task.anchor.position.size(0)},
+                               {"parameters", parameters},
+                               {"first_relmse", first},
+                               {"looks", looks},
+                               {"learnt_relmse", relative_error(*network, task, seen)}};
+  std::printf("%s: relative error %.4g at first, %.4g held out\n", request.method.c_str(), first,
+              looks.back()["held_out_relmse"].get<double>());
+  if (!request.common.json.empty()) write_file(request.common.json, json.dump(1) + "\n");
+}
+
+}  // namespace
+
+std::function<void()> add_by_heart(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  CLI::App* command = app->add_subcommand(
+      "by-heart", "Learn the irradiance of one scene, and measure it where it was not shown");
+  command->add_option("SAMPLE", request->sample, "Sample file of lte_datagen bake")->required();
+  command->add_option("--method", request->method, "grid, latents-mean or latents-decoder")
+      ->check(CLI::IsMember({"grid", "latents-mean", "latents-decoder"}))
+      ->capture_default_str();
+  command->add_option("--seconds", request->seconds, "Processor time of training")
+      ->check(positive_number())
+      ->capture_default_str();
+  command->add_option("--batch", request->batch, "Queries of a step")
+      ->check(positive_number())
+      ->capture_default_str();
+  command->add_option("--queries", request->queries, "Queries that are learnt; 0: nine in ten")
+      ->check(non_negative_number())
+      ->capture_default_str();
+  command->add_option("--log2-entries", request->log2_entries, "Of a level of the grid")
+      ->check(CLI::Range(4, 24))
+      ->capture_default_str();
+  command->add_option("--seed", request->seed, "Of weights and batches")->capture_default_str();
+  add_common_options(*command, &request->common);
+  return [request] { run(*request); };
+}
+
+}  // namespace lte::experiments

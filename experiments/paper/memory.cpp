@@ -1,0 +1,183 @@
+// experiment_paper memory: the peak memory of one training step by the number of primitives, of our
+// networks and of one of RenderFormer's shape (Zeng et al. 2025). One process measures one row, as a
+// process's peak does not fall.
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <torch/optim/adamw.h>
+#include <torch/types.h>
+
+#include "bench/begin_command.h"
+#include "experiments/paper/commands.h"
+#include "experiments/paper/roadmap_model.h"
+#include "infer/tool/tool_options.h"
+#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
+#include "lte/cli/numbers.h"
+#include "lte/nn/synthetic_room.h"
+#include "lte/nn/transformer_block.h"
+
+namespace lte::experiments {
+namespace {
+
+/// What RenderFormer's paper says of its shape: 12 layers of self-attention over triangles, and 6 of
+/// cross-attention and self-attention over bundles of 8 x 8 rays, 768 channels, 6 heads. Parameters
+/// of norms and encodings aside, which are small, memory follows from these.
+constexpr int64_t kWidth = 768, kHeads = 6, kSceneLayers = 12, kViewLayers = 6, kBundle = 8;
+constexpr int64_t kFeedForward = 4 * kWidth;
+constexpr int64_t kTriangleInputs = 9 + 9 + 10;  // corners, normals, material and emission
+constexpr int64_t kRayInputs = 3 * kBundle * kBundle, kRayOutputs = kRayInputs;
+
+/// x += Attention(LN(x)), to `context` where the layer has it; x += SwiGLU(LN(x)).
+class RenderFormerLayerImpl : public torch::nn::Module {
+ public:
+  RenderFormerLayerImpl(bool reads_context, Attention attention) {
+    self_norm_ = register_module("self_norm", nn::layer_norm(kWidth));
+    self_ = register_module("self", GlobalAttention(kWidth, kHeads, attention));
+    if (reads_context) {
+      cross_norm_ = register_module("cross_norm", nn::layer_norm(kWidth));
+      cross_ = register_module("cross", GlobalAttention(kWidth, kHeads, attention));
+    }
+    norm_ = register_module("norm", nn::layer_norm(kWidth));
+    gate_ = register_module("gate", nn::Linear(kWidth, kFeedForward));
+    up_ = register_module("up", nn::Linear(kWidth, kFeedForward));
+    down_ = register_module("down", nn::Linear(kFeedForward, kWidth));
+    for (nn::Linear* linear : {&gate_, &up_, &down_}) nn::initialize(*linear, 1);
+  }
+
+  at::Tensor forward(at::Tensor x, const at::Tensor& context) {
+    if (cross_) x = x + cross_->forward(cross_norm_->forward(x), context);
+    const at::Tensor normed = self_norm_->forward(x);
+    x = x + self_->forward(normed, normed);
+    const at::Tensor y = norm_->forward(x);
+    return x + down_->forward(at::silu(gate_->forward(y)) * up_->forward(y));
+  }
+
+ private:
+  torch::nn::LayerNorm self_norm_{nullptr}, cross_norm_{nullptr}, norm_{nullptr};
+  GlobalAttention self_{nullptr}, cross_{nullptr};
+  nn::Linear gate_{nullptr}, up_{nullptr}, down_{nullptr};
+};
+TORCH_MODULE(RenderFormerLayer);
+
+class RenderFormerShapeImpl : public torch::nn::Module {
+ public:
+  explicit RenderFormerShapeImpl(Attention attention) {
+    triangle_ = register_module("triangle", nn::Linear(kTriangleInputs, kWidth));
+    ray_ = register_module("ray", nn::Linear(kRayInputs, kWidth));
+    output_ = register_module("output", nn::Linear(kWidth, kRayOutputs));
+    for (int64_t i = 0; i < kSceneLayers + kViewLayers; ++i)
+      layers_.push_back(register_module("layer" + std::to_string(i),
+                                        RenderFormerLayer(i >= kSceneLayers, attention)));
+  }
+
+  /// @param triangles  [N, kTriangleInputs]
+  /// @param rays       [bundles, kRayInputs]
+  at::Tensor forward(const at::Tensor& triangles, const at::Tensor& rays) {
+    at::Tensor scene = triangle_->forward(triangles);
+    for (int64_t i = 0; i < kSceneLayers; ++i)
+      scene = layers_[static_cast<size_t>(i)]->forward(scene, scene);
+    at::Tensor view = ray_->forward(rays);
+    for (int64_t i = kSceneLayers; i < kSceneLayers + kViewLayers; ++i)
+      view = layers_[static_cast<size_t>(i)]->forward(view, scene);
+    return output_->forward(view);
+  }
+
+ private:
+  nn::Linear triangle_{nullptr}, ray_{nullptr}, output_{nullptr};
+  std::vector<RenderFormerLayer> layers_;
+};
+TORCH_MODULE(RenderFormerShape);
+
+struct Request {
+  std::string network = "whole", attention = "fused";
+  int64_t primitives = 1024, side = 64, channels = 128;
+  CommonOptions common;
+};
+
+/// One network, and its answer to a scene of so many primitives and side² rays.
+struct Measured {
+  std::shared_ptr<torch::nn::Module> network;
+  std::function<at::Tensor()> answer;
+};
+
+Measured renderformer(const Request& request, Attention attention) {
+  RenderFormerShape network(attention);
+  const int64_t bundles = std::max<int64_t>(1, request.side / kBundle);
+  const at::Tensor triangles = at::randn({request.primitives, kTriangleInputs});
+  const at::Tensor rays = at::randn({bundles * bundles, kRayInputs});
+  return {network.ptr(), [=]() mutable { return network->forward(triangles, rays); }};
+}
+
+Measured ours(const Request& request, Attention attention) {
+  nn::ModelConfig config;  // the paper's
+  config.channels = request.channels;
+  config.dropout = 0;
+  RoadmapModel network(parse_enum<RoadmapNetwork>("--network", request.network), config, attention);
+  network->train();
+  const nn::PointSet points = nn::synthetic_room(request.primitives, 1),
+                     places = nn::synthetic_room(request.side * request.side, 2);
+  const nn::QuerySet queries{places.position, places.normal, places.albedo};
+  return {network.ptr(), [=]() mutable { return network->forward(points, queries, 1); }};
+}
+
+void run(const Request& request) {
+  CommandFiles files;
+  bench::begin_command(request.common, &files);
+  torch::manual_seed(1);
+  const Attention attention = request.attention == "stored" ? Attention::Stored : Attention::Fused;
+  Measured measured = request.network == "renderformer" ? renderformer(request, attention)
+                                                        : ours(request, attention);
+  int64_t parameters = 0;
+  for (const at::Tensor& parameter : measured.network->parameters())
+    parameters += parameter.requires_grad() ? parameter.numel() : 0;
+  torch::optim::AdamW optimizer(measured.network->parameters(), torch::optim::AdamWOptions(1e-4));
+  const std::clock_t begin = std::clock();
+  measured.answer().square().mean().backward();
+  optimizer.step();
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  std::printf("%s, %lld primitives: %.0f MB, %.2f s\n", request.network.c_str(),
+              static_cast<long long>(request.primitives), peak_rss_mb(), seconds);
+  if (request.common.json.empty()) return;
+  const nlohmann::json json = {
+      {"network", request.network},       {"attention", request.attention},
+      {"primitives", request.primitives}, {"rays", request.side * request.side},
+      {"channels", request.channels},     {"parameters", parameters},
+      {"peak_rss_mb", peak_rss_mb()},     {"cpu_seconds", seconds}};
+  write_file(request.common.json, json.dump(1) + "\n");
+}
+
+}  // namespace
+
+std::function<void()> add_memory(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  CLI::App* command = app->add_subcommand(
+      "memory", "Peak memory and time of one training step by the number of primitives");
+  command->add_option("--network", request->network, "renderformer, vanilla, encoder or whole")
+      ->check(CLI::IsMember({"renderformer", "vanilla", "encoder", "whole"}))
+      ->capture_default_str();
+  command
+      ->add_option("--attention", request->attention,
+                   "Of renderformer and vanilla: fused, or stored as an N x N matrix")
+      ->check(CLI::IsMember({"fused", "stored"}))
+      ->capture_default_str();
+  command->add_option("--primitives", request->primitives, "Triangles, or scene points of ours")
+      ->check(positive_number())
+      ->capture_default_str();
+  command->add_option("--side", request->side, "Of the square picture whose rays are asked")
+      ->check(positive_number())
+      ->capture_default_str();
+  command->add_option("--channels", request->channels, "D of ours")
+      ->check(CLI::Range(32, 1024))
+      ->capture_default_str();
+  add_common_options(*command, &request->common);
+  return [request] { run(*request); };
+}
+
+}  // namespace lte::experiments

@@ -1,0 +1,100 @@
+"""The row of edits: what a change of a room does to its light, by network, gather and paths."""
+import json
+import math
+import random
+import struct
+
+from paper_words import digits, mean_of
+
+ROOM = "assets/scenes/living_room.glb"
+CHANGES = ("lamp moved 1 m", "sofa moved 0.6 m", "floor green", "walls red")
+
+
+def read_tensor(path, name):
+    """Rows of a float32 tensor [n, 3] of a sample file."""
+    with open(path, "rb") as file:
+        size = struct.unpack("<Q", file.read(8))[0]
+        entry = json.loads(file.read(size))[name]
+        begin, end = entry["data_offsets"]
+        file.seek(8 + size + begin)
+        return list(struct.iter_unpack("<fff", file.read(end - begin)))
+
+
+def changed_room(source, target, change):
+    """Writes the room with one of CHANGES."""
+    data = source.read_bytes()
+    size = struct.unpack_from("<I", data, 12)[0]
+    gltf = json.loads(data[20:20 + size])
+    pieces = {CHANGES[0]: (range(45, 48), (1.0, 0, 0)), CHANGES[1]: (range(16, 20), (0, 0, -0.6))}
+    colors = {CHANGES[2]: ("floor boards", [0.25, 0.9, 0.25, 1]),
+              CHANGES[3]: ("wall", [0.9, 0.08, 0.08, 1])}
+    if change in pieces:
+        meshes, offset = pieces[change]
+        for node in gltf["nodes"]:
+            if node.get("mesh") in meshes:
+                node["matrix"][12:15] = [a + b for a, b in zip(node["matrix"][12:15], offset)]
+    for material in gltf["materials"]:
+        if change in colors and material["name"] == colors[change][0]:
+            material["pbrMetallicRoughness"]["baseColorFactor"] = colors[change][1]
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    rest = data[20 + size:]
+    head = struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A)
+    target.write_bytes(head + text + rest)
+
+
+def indirect_of(path):
+    """Indirect irradiance at the points of a file of lte_probe."""
+    lines = path.read_text().splitlines()
+    head = lines[0].split(",")
+    columns = [(head.index(f"total_{c}"), head.index(f"direct_{c}")) for c in "rgb"]
+    values = [[float(word) for word in line.split(",")] for line in lines[1:]]
+    return [[value[total] - value[direct] for total, direct in columns] for value in values]
+
+
+def difference(first, second):
+    return [[b - a for a, b in zip(p, q)] for p, q in zip(first, second)]
+
+
+def norm(values):
+    return math.sqrt(sum(x * x for value in values for x in value))
+
+
+def measure(run, sample):
+    sample = run.root / sample
+    position, normal = read_tensor(sample, "query_position"), read_tensor(sample, "query_normal")
+    picks = random.Random(1).sample(range(len(position)), run.size(2000, 300))
+    points = run.root / run.folder("points.csv")
+    points.write_text("px,py,pz,nx,ny,nz\n" + "".join(
+        ",".join(repr(x) for x in position[i] + normal[i]) + "\n" for i in picks))
+    light = {}
+    for change in ("none", *CHANGES):
+        scene = run.root / run.folder(change.replace(" ", "-") + ".glb")
+        changed_room(run.root / ROOM, scene, change)
+        for method, spp in (("path", run.size(4096, 1024)), ("network", 64), ("gather", 64)):
+            label = f"{scene.stem}-{method}"
+            out = run.root / run.folder(label + ".csv")
+            words = ["--checkpoint", "assets/models/lte-base.safetensors"] \
+                if method == "network" else []
+            run.tool(label, "lte_probe", scene.relative_to(run.root), "--points",
+                     points.relative_to(run.root), "--out", out.relative_to(run.root),
+                     "--integrator", method, "--spp", spp, *words)
+            light[change, method] = indirect_of(out)
+    rows = []
+    for change in CHANGES:
+        truth = difference(light["none", "path"], light[change, "path"])
+        for method in ("network", "gather"):
+            ours = difference(light["none", method], light[change, method])
+            rows.append({"change": change, "method": method, "points": len(picks),
+                         "size": norm(truth) / norm(light["none", "path"]),
+                         "error_of_change": norm(difference(truth, ours)) / norm(truth),
+                         "error_after": norm(difference(light[change, "path"],
+                                                        light[change, method]))
+                         / norm(light[change, "path"])})
+    return rows
+
+
+def line(rows):
+    return "error of the change, over it: " + "; ".join(
+        f"{change} {digits(mean_of(rows, 'error_of_change', change=change, method='network'), 2)}"
+        for change in CHANGES)

@@ -1,0 +1,86 @@
+"""Rows of docs/paper.md that lte_eval measures: data sets of new seeds, and errors of every method
+on their pictures."""
+import json
+import statistics
+
+from paper_words import digits
+
+METHODS = (("network, decoded", "neural"), ("start without network", "light_cache"),
+           ("64 paths", "path_tracing_64"), ("64 paths, denoised", "path_tracing_64_denoised"),
+           ("16 paths, denoised", "path_tracing_16_denoised"))
+
+
+def evaluated(run, label, data):
+    """Errors of all methods on a data set, in pictures, a row each."""
+    result = run.tool(f"{label}-eval", "lte_eval", "--checkpoint",
+                      "assets/models/lte-base.safetensors", "--data", data, "--split", "test")
+    rows = []
+    for name, key in METHODS:
+        views = (result["metrics"].get(key) or {}).get("views") or {}
+        if views.get("mse") is None:
+            continue
+        bounds = result["confidence"]["metrics"].get(key, {}).get("views", {}).get("mse")
+        samples = result["equal_samples"].get(key, {}).get("views", {}).get("all")
+        rows.append({"scenes": label, "count": result["scenes"], "method": name,
+                     "mse": views["mse"], "interval": bounds, "ssim": views.get("ssim"),
+                     "flip": views.get("flip"), "worth": samples})
+    return rows
+
+
+def triangles_of(run, data):
+    lines = (run.root / data / "manifest" / "shard_0_of_1.jsonl").read_text().splitlines()
+    scenes = {s["name"]: s["triangles"] for s in map(json.loads, lines)
+              if s.get("status") == "baked"}
+    return sorted(scenes.values())
+
+
+def generated(run, label, config, scenes, seed, *settings):
+    data = run.folder(label)
+    words = [word for setting in settings for word in ("--set", setting)]
+    run.tool(label, "lte_datagen", "generate", "--config", f"configs/data/{config}.yaml", "--out",
+             data, "--scenes", scenes, "--seed", seed, "--resume", *words)
+    return data
+
+
+def table1(run):
+    data = generated(run, "homes", "homes_test", run.size(100, 20), 880057)
+    return evaluated(run, "homes", data)
+
+
+def statistics_of_scenes(run):
+    data = generated(run, "large-homes", "homes", run.size(20, 4), 880058, "val_share=0",
+                     "test_share=1", "scene_points=8192", "query_points=512", "rays=128",
+                     "views.width=48", "views.height=36", "views.rays=512")
+    triangles = triangles_of(run, data)
+    return [row | {"least": triangles[0], "median": statistics.median(triangles),
+                   "most": triangles[-1]} for row in evaluated(run, "large homes", data)]
+
+
+def failures(run):
+    rows = []
+    for label, share in (("lamps in sight", 0), ("lamp may be next door", 1)):
+        data = generated(run, f"boxes-{share}", "boxes_test", run.size(40, 8), 880059,
+                         f"boxes.two_room_share={share}")
+        rows += evaluated(run, label, data)
+    return rows
+
+
+def eval_line(rows):
+    parts = []
+    for label in dict.fromkeys(row["scenes"] for row in rows):
+        by = {row["method"]: row for row in rows if row["scenes"] == label}
+        ours, paths = by["network, decoded"], by["64 paths"]
+        parts.append(f"{ours['count']} {label}: MSE {digits(ours['mse'])}, SSIM "
+                     f"{digits(ours['ssim'])}; 64 paths {digits(paths['mse'])}, "
+                     f"{digits(paths['ssim'])}")
+    return "; ".join(parts)
+
+
+def size_line(rows):
+    first = rows[0]
+    return (f"{first['least']:,} to {first['most']:,} triangles, median {first['median']:,.0f}; "
+            + eval_line(rows))
+
+
+EVAL_COLUMNS = (("scenes", "scenes"), ("method", "method"), ("MSE", "mse"), ("95 %", "interval"),
+                ("SSIM", "ssim"), ("FLIP", "flip"), ("worth, paths a pixel", "worth"))

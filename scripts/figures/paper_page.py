@@ -1,0 +1,84 @@
+"""docs/paper.md: every table and figure of the paper, and what was measured beside it."""
+import json
+
+from paper_rows import ROWS
+from paper_words import digits
+
+HEAD = """# The paper's tables and figures, measured here
+
+Every table and figure of the paper, its figures, and ours. `scripts/figures/paper.py ROW` measures
+a row, `--list` names rows and costs; rows of this page are those of docs/paper, which
+`--keep` and `--page` put here.
+
+```sh no-run
+scripts/figures/paper.py all --quick        # small data: 20 minutes of two cores
+scripts/figures/paper.py all                # within a day of two cores
+```
+
+**What differs.** The paper trained 42 M parameters on 13,900 homes for two million steps on twelve
+GPUs. Models here are lte-base (3.2 M, with light solved on its points) or networks trained for
+minutes on boxes. MSE is over the mean emission, so no figure of an error compares with the
+paper's; the order of rows does. *quick* says that a row was measured by `--quick`.
+
+| paper | there | here | row |
+|---|---|---|---|
+"""
+
+# Items without a row: what the paper has, where ours stands or why it does not, the command.
+OTHERS = (
+    ("Figures 4 to 6: pipeline, data", "diagrams",
+     "[architecture.md](architecture.md), [dataset.md](dataset.md)", ""),
+    ("Figure 3: attention", "picture", "not drawn again",
+     "`experiment_attention SCENE.glb --point X,Y,Z --out a.png`"),
+    ("Table 1: Deep Shading, Hermosilla", "MSE .071, .171", "not run: neither is written", ""),
+    ("Figure 8: full renderings", "pictures", "[README](../README.md)", "`lte_render`"),
+    ("Table 2: structure", "42 M parameters", "41,932,803",
+     "`lte_train --config configs/model/paper.yaml --dry-run`"),
+    ("Cornell box by RenderFormer", "picture", "not run: its weights are not at hand", ""),
+    ("Radiance, spherical harmonics by degree", "curve", "[lab](lab/radiance.md)",
+     "`experiment_directions`"),
+    ("Path guiding", "picture at 2 paths", "[lab](lab/radiance.md)", "`experiment_guiding`"),
+    ("Time on a GPU", "208 + 368 ms", "[lab](lab/gpu.md)",
+     "`lte_bench encoder`"),
+    ("Sampling of scene points", "negligible", "not run: no key chooses a strategy", ""),
+)
+
+AFTER = ("table1", "roadmap", "memory", "by-heart", "edits")
+
+
+def cell(value):
+    if value is None:
+        return ""
+    if isinstance(value, list):
+        return " to ".join(cell(each) for each in value)
+    if isinstance(value, (int, float)):
+        return f"{value:,}" if isinstance(value, int) else digits(value)
+    return str(value)
+
+
+def table(row, rows):
+    lines = ["| " + " | ".join(head for head, _ in row.columns) + " |",
+             "|---|" + "---:|" * (len(row.columns) - 1)]
+    lines += ["| " + " | ".join(cell(each.get(key)) for _, key in row.columns) + " |"
+              for each in rows]
+    return "\n".join(lines) + "\n"
+
+
+def page(folder):
+    """@param folder  of the rows' JSON, as paper.py writes it"""
+    files = {row.name: json.loads((folder / f"{row.name}.json").read_text())
+             for row in ROWS if (folder / f"{row.name}.json").exists()}
+    text = HEAD
+    for row in ROWS:
+        found = files.get(row.name)
+        here = row.line(found["rows"]) + (" *quick*" if found["quick"] else "") if found \
+            else f"not run yet: {row.cost.split(';')[0]} of a core"
+        text += f"| {row.items} | {row.theirs} | {here} | {row.name} |\n"
+    for item, there, here, command in OTHERS:
+        text += f"| {item} | {there} | {here} | {command} |\n"
+    for row in ROWS:
+        if row.name in AFTER and row.name in files:
+            found = files[row.name]
+            text += (f"\n## {row.items}\n\n`{found['command']}`, {found['date']}, "
+                     f"{found['cpu_seconds']:.0f} CPU s.\n\n{table(row, found['rows'])}")
+    return text

@@ -1,0 +1,239 @@
+"""The rows of docs/paper.md: the commands behind each, what their JSON gives, and a line about it.
+scripts/figures/paper.py runs the commands and writes the page."""
+import dataclasses
+import json
+import typing
+
+import paper_edits
+from paper_eval import (EVAL_COLUMNS, eval_line, failures, generated, size_line,
+                        statistics_of_scenes, table1)
+from paper_words import digits, mean_of, spread_of
+
+ROOM = paper_edits.ROOM
+NETWORKS = ("vanilla", "encoder", "whole")
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    name: str
+    items: str  # of the paper
+    theirs: str
+    cost: str  # processor time of the whole row, and of --quick
+    make: typing.Callable  # Run -> rows, dicts of plain values
+    line: typing.Callable  # rows -> what they say, in a few words
+    columns: tuple[tuple[str, str], ...]  # heading, key of a row
+
+
+# Trainings.
+
+def boxes(run):
+    return generated(run, "boxes", "boxes_small", run.size(1500, 240), 4057, "rays=64",
+                     "query_points=4096", "scene_points=2048", "views.rays=32", "views.width=32",
+                     "views.height=24", "val_share=0.1", "test_share=0", "light_paths=1",
+                     "path_tracing_64=false", "boxes.texture_sizes=[64]")
+
+
+def roadmap(run):
+    data = boxes(run)
+    settings = [f"data.scene_points={run.size(2048, 1024)}", "data.queries_per_scene=512",
+                "train.validation_scenes=0", "train.warmup_steps=20"]
+    words = [word for setting in settings for word in ("--set", setting)]
+    rows = []
+    for seed in (1, 2):
+        for network in NETWORKS:
+            found = run.tool(f"{network}-{seed}", "experiment_paper", "roadmap", "--network",
+                             network, "--config", "configs/train/shipped.yaml", "--data", data,
+                             "--steps", run.size(3000, 240), "--seed", seed, "--threads", 1, *words)
+            rows.append(found | {"step_ms": 1e3 * found["cpu_seconds"] / found["steps"]})
+    return rows
+
+
+def roadmap_line(rows):
+    names = zip(("vanilla", "+ encoder", "+ query decoder"), NETWORKS)
+    return "; ".join(f"{name} {spread_of(rows, 'mse', network=key)} "
+                     f"({digits(mean_of(rows, 'step_ms', network=key), 2)} ms a step)"
+                     for name, key in names)
+
+
+VARIANTS = {"as trained": "", "kappa 8": "model.query_neighbours=8",
+            "kappa 16": "model.query_neighbours=16", "kappa 48": "model.query_neighbours=48",
+            "512 points": "data.scene_points=512", "1,024 points": "data.scene_points=1024",
+            "D 16": "model.channels=16 model.head_width=16", "D 64": "model.channels=64",
+            "2 layers": "model.query_layers=2", "patches of 256": "model.patch_size=256"}
+QUICK_VARIANTS = ("as trained", "kappa 8", "512 points")
+
+
+def hyperparameters(run):
+    data = boxes(run)
+    names = run.size(tuple(VARIANTS), QUICK_VARIANTS)
+    words = [word for name in names
+             for word in ("--variant", f"{name}: {VARIANTS[name]}" if VARIANTS[name] else name)]
+    out = run.folder("ablation")
+    run.script("ablation", "experiments/ablation/ablate.py", "--config",
+               "configs/train/shipped.yaml", "--data", data, "--out", out, "--seconds",
+               run.size(600, 40), "--seeds", 1, 2, "--threads", 1, "--clock", "cpu",
+               "--timing-steps", run.size(20, 4), "--tool", run.bin / "lte_train", *words)
+    results = json.loads((run.root / out / "results.json").read_text())
+    return [{"variant": name, "seed": seed, "steps": one["step"], "psnr": one["val_psnr"],
+             "mse": one["val_mse"]} for name, each in results.items()
+            for seed, one in enumerate(each, 1)]
+
+
+def variants_line(rows):
+    return "PSNR " + "; ".join(f"{name} {spread_of(rows, 'psnr', variant=name)}"
+                               for name in dict.fromkeys(row["variant"] for row in rows))
+
+
+# Memory, by a process a row.
+
+def measured(run, network, primitives, channels=128, attention="fused"):
+    return run.tool(f"{network}-{attention}-{channels}-{primitives}", "experiment_paper", "memory",
+                    "--network", network, "--primitives", primitives, "--channels", channels,
+                    "--attention", attention, "--threads", 1)
+
+
+def memory(run):
+    rows = []
+    for primitives in run.size((512, 1024, 2048, 4096, 8192), (512, 1024, 2048)):
+        rows.append(measured(run, "renderformer", primitives))
+        rows.append(measured(run, "whole", primitives))
+        rows += [measured(run, "vanilla", primitives, attention=how) for how in ("fused", "stored")]
+    return rows
+
+
+def slope(rows, **where):
+    """MB a primitive between the ends of a curve."""
+    ends = sorted((row["primitives"], row["peak_rss_mb"]) for row in rows
+                  if all(row[k] == v for k, v in where.items()))
+    return (ends[-1][1] - ends[0][1]) / (ends[-1][0] - ends[0][0])
+
+
+def memory_line(rows):
+    most = max(row["primitives"] for row in rows)
+    kinds = (("RenderFormer's shape", "renderformer", "fused"), ("ours", "whole", "fused"),
+             ("vanilla", "vanilla", "fused"), ("vanilla, stored", "vanilla", "stored"))
+    return f"MB a primitive up to {most:,}: " + "; ".join(
+        f"{name} {digits(slope(rows, network=key, attention=how), 2)}" for name, key, how in kinds)
+
+
+def width(run):
+    points = run.size(20000, 4096)
+    return [measured(run, "whole", points, channels)
+            for channels in run.size((64, 128, 256), (64, 128))]
+
+
+def width_line(rows):
+    return "; ".join(f"D {row['channels']}: {row['parameters'] / 1e6:.1f} M, "
+                     f"{row['peak_rss_mb'] / 1e3:.2g} GB" for row in rows)
+
+
+# One scene.
+
+def room_sample(run):
+    sample = run.folder("room") + ".safetensors"
+    run.tool("room", "lte_datagen", "bake", ROOM, "--out", sample, "--scene-points", 8192,
+             "--queries", run.size(2_000_000, 40_000), "--rays", run.size(128, 64), "--views", 0)
+    return sample
+
+
+def by_heart(run):
+    sample = room_sample(run)
+    trials = [("hash grid, 2^15", "grid", 15, 0), ("hash grid, 2^19", "grid", 19, 0),
+              ("latents, mean", "latents-mean", 15, 0),
+              ("latents, query decoder", "latents-decoder", 15, 0),
+              ("the same, an eighth of the queries", "latents-decoder", 15,
+               run.size(262_144, 4500))]
+    rows = []
+    for name, method, entries, queries in trials:
+        found = run.tool(f"{method}-{entries}-{queries}", "experiment_paper", "by-heart", sample,
+                         "--method", method, "--log2-entries", entries, "--queries", queries,
+                         "--seconds", run.size(300, 20), "--threads", 1)
+        rows.append({"name": name, "queries": found["learnt_queries"],
+                     "parameters": found["parameters"], "first": found["first_relmse"],
+                     "middle": found["looks"][3]["held_out_relmse"],
+                     "held_out": found["looks"][-1]["held_out_relmse"],
+                     "learnt": found["learnt_relmse"],
+                     "seconds": found["looks"][-1]["seconds"]})
+    return rows
+
+
+def by_heart_line(rows):
+    return "held-out error, relative: " + "; ".join(
+        f"{row['name']} {digits(row['held_out'], 2)}" for row in rows)
+
+
+def edits(run):
+    return paper_edits.measure(run, room_sample(run))
+
+
+# Pictures.
+
+def teaser(run):
+    rows = []
+    for name, words in (("network", ["--integrator", "network", "--checkpoint",
+                                     "assets/models/lte-base.safetensors", "--quality",
+                                     run.size("preview", "draft")]),
+                        ("paths", ["--integrator", "path", "--spp", run.size(64, 4)])):
+        picture = run.folder(f"{name}.png")
+        (run.root / picture).unlink(missing_ok=True)
+        found = run.tool(name, "lte_render", ROOM, "--size", "2688x1152", "--out", picture, *words)
+        rows.append({"method": name, "seconds": run.seconds(name), "cpu": run.cpu_seconds(name),
+                     "peak_rss_mb": found["peak_rss_mb"]})
+    return rows
+
+
+def teaser_line(rows):
+    return "2688x1152: " + "; ".join(f"{row['method']} {digits(row['cpu'], 2)} CPU s, "
+                                     f"{row['peak_rss_mb']:.0f} MB" for row in rows)
+
+
+def flicker(run):
+    found = run.tool("flicker", "experiment_consistency", ROOM, "--size",
+                     run.size("192x144", "64x48"), "--frames", run.size(60, 6), "--spp", 16)
+    return [found]
+
+
+def flicker_line(rows):
+    return (f"{rows[0]['answers']:,} answers at points seen twice: largest change "
+            f"{digits(rows[0]['largest_change'])}")
+
+
+ROWS = (
+    Row("table1", "Table 1; figure 7", "MSE .048, SSIM .912; 64 paths .051, .425",
+        "25 min; 4 min", table1, eval_line, EVAL_COLUMNS),
+    Row("statistics", "Scene statistics", "0.8 to 6 M triangles, 29 to 51 textures of 1024²",
+        "20 min; 3 min", statistics_of_scenes, size_line, EVAL_COLUMNS),
+    Row("failures", "Failures: lamp next door", "a picture", "6 min; 1 min", failures, eval_line,
+        EVAL_COLUMNS),
+    Row("roadmap", "Figures 11, 12: roadmap, MSE", "vanilla .068; + encoder .084; + decoder .048",
+        "6 h; 9 min", roadmap, roadmap_line,
+        (("network", "network"), ("seed", "seed"), ("parameters", "parameters"), ("MSE", "mse"),
+         ("relMSE", "relmse"), ("first MSE", "first_mse"), ("ms a step", "step_ms"),
+         ("peak MB", "peak_rss_mb"))),
+    Row("hyperparameters", "Neighbours, points, D",
+        "PSNR: kappa 8 26.96, 32 34.57; 5 k points 28.51, 20 k 34.57", "4 h; 5 min",
+        hyperparameters, variants_line,
+        (("variant", "variant"), ("seed", "seed"), ("steps", "steps"), ("PSNR", "psnr"),
+         ("MSE", "mse"))),
+    Row("memory", "Figure 2: memory", "1.7 and .12 MB a primitive", "30 min; 4 min", memory,
+        memory_line,
+        (("network", "network"), ("attention", "attention"), ("primitives", "primitives"),
+         ("parameters", "parameters"), ("peak MB", "peak_rss_mb"), ("CPU s", "cpu_seconds"))),
+    Row("width", "D: parameters, memory", "10.5, 42, 167.7 M; 10.7, 21.3, 43.1 GB",
+        "10 min; 1 min", width, width_line,
+        (("D", "channels"), ("parameters", "parameters"), ("scene points", "primitives"),
+         ("peak MB", "peak_rss_mb"), ("CPU s", "cpu_seconds"))),
+    Row("by-heart", "One scene: hash grid, latents, queries",
+        "pictures: the grid converges sooner", "1 h; 3 min", by_heart, by_heart_line,
+        (("method", "name"), ("queries", "queries"), ("parameters", "parameters"),
+         ("at first", "first"), ("half time", "middle"), ("held out", "held_out"),
+         ("learnt", "learnt"))),
+    Row("edits", "Figures: light, object, albedo", "pictures", "30 min; 3 min", edits, paper_edits.line,
+        (("change", "change"), ("method", "method"), ("change over light", "size"),
+         ("error of the change", "error_of_change"), ("error after", "error_after"))),
+    Row("teaser", "Figure 1", "a picture of 2688x1152", "10 min; 2 min", teaser, teaser_line,
+        (("method", "method"), ("seconds", "seconds"), ("CPU s", "cpu"),
+         ("peak MB", "peak_rss_mb"))),
+    Row("flicker", "View consistency", "a video", "5 min; 10 s", flicker, flicker_line,
+        (("answers", "answers"), ("largest change", "largest_change"))),
+)

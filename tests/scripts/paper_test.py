@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""scripts/figures/paper.py: rows from what a program writes, runs that go on, and its errors."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCRIPT = ROOT / "scripts" / "figures" / "paper.py"
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(SCRIPT.parent))
+import paper_edits  # noqa: E402
+
+# Writes a result to the file behind --json, and counts how often it was run.
+PROGRAM = """#!/usr/bin/env python3
+import json, pathlib, sys
+calls = pathlib.Path(__file__).with_suffix(".calls")
+calls.write_text(calls.read_text() + "x" if calls.exists() else "x")
+out = pathlib.Path(sys.argv[sys.argv.index("--json") + 1])
+out.write_text(json.dumps({"answers": 1234, "largest_change": 0.5}))
+"""
+
+
+class Paper(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.out = pathlib.Path(self.folder.name) / "out"
+        self.bin = pathlib.Path(self.folder.name) / "bin"
+        self.bin.mkdir()
+
+    def paper(self, *words):
+        return subprocess.run([sys.executable, SCRIPT, *words, "--out", self.out, "--bin",
+                               self.bin], capture_output=True, text=True, check=False)
+
+    def program(self, text=PROGRAM):
+        path = self.bin / "experiment_consistency"
+        path.write_text(text)
+        path.chmod(0o755)
+        return path.with_suffix(".calls")
+
+    def test_a_row_keeps_what_the_program_wrote_and_is_not_measured_again(self):
+        calls = self.program()
+        for _ in range(2):
+            done = self.paper("flicker", "--quick")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("1,234 answers", done.stdout)
+        self.assertEqual(calls.read_text(), "x")
+        row = json.loads((self.out / "quick" / "flicker.json").read_text())
+        self.assertEqual(row["command"], "scripts/figures/paper.py flicker --quick")
+        self.assertEqual(row["rows"], [{"answers": 1234, "largest_change": 0.5}])
+        self.assertTrue(row["commands"][0].startswith("experiment_consistency "))
+        self.assertIn("| 1,234 | 0.5 |", self.paper("--table", "flicker").stdout)
+
+    def test_a_table_without_a_run_names_the_command_that_makes_it(self):
+        done = self.paper("--table", "roadmap", "--quick")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stderr.strip().count("\n"), 0)
+        self.assertIn("scripts/figures/paper.py roadmap --quick makes it", done.stderr)
+
+    def test_a_program_that_fails_ends_the_row_with_its_message(self):
+        self.program("#!/bin/sh\necho no such scene >&2\nexit 1\n")
+        done = self.paper("flicker", "--quick")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("experiment_consistency ended with 1: no such scene", done.stderr)
+        self.assertFalse((self.out / "quick" / "flicker.json").exists())
+
+    def test_an_unknown_row_is_refused(self):
+        done = self.paper("table7")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no row table7: expected table1, ", done.stderr)
+
+    def test_the_page_is_that_of_the_files(self):
+        done = self.paper("--page", "--check")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_the_changed_room_differs_in_what_was_changed_alone(self):
+        def parts(path):
+            data = path.read_bytes()
+            size = int.from_bytes(data[12:16], "little")
+            self.assertEqual(int.from_bytes(data[8:12], "little"), len(data))
+            return json.loads(data[20:20 + size]), data[20 + size:]
+        source = ROOT / paper_edits.ROOM
+        before, rest = parts(source)
+        for change in ("none", *paper_edits.CHANGES):
+            target = pathlib.Path(self.folder.name) / "room.glb"
+            paper_edits.changed_room(source, target, change)
+            after, same = parts(target)
+            self.assertEqual(rest, same)
+            differs = sum(a != b for key in ("nodes", "materials")
+                          for a, b in zip(before[key], after[key]))
+            self.assertEqual(differs, {"none": 0, "lamp moved 1 m": 3, "sofa moved 0.6 m": 4}
+                             .get(change, 1), change)
+
+
+if __name__ == "__main__":
+    unittest.main()
