@@ -1,4 +1,4 @@
-// What learns the irradiance of one scene by heart: a multiresolution hash grid (Müller et al. 2022)
+// What learns irradiance in one scene by heart: a multiresolution hash grid (Müller et al. 2022)
 // and latents that are parameters themselves, read by the mean of the nearest or by the query
 // decoder.
 #pragma once
@@ -23,7 +23,7 @@ struct HashGridConfig {
 };
 
 /// Trilinear interpolation of features at the corners of the cells of several grids. A level with
-/// more corners than entries shares them by a hash. Parameters: `table` [levels, entries, features].
+/// more corners than entries shares them by a hash. Parameter: `table` [levels, entries, features].
 class HashGridImpl : public torch::nn::Module {
  public:
   explicit HashGridImpl(const HashGridConfig& config);

@@ -1,5 +1,5 @@
 // experiment_paper memory: the peak memory of one training step by the number of primitives, of our
-// networks and of one of RenderFormer's shape (Zeng et al. 2025). One process measures one row, as a
+// networks and of one of RenderFormer's shape (Zeng et al. 2025). A process measures one row, as a
 // process's peak does not fall.
 #include <algorithm>
 #include <cstdio>
@@ -26,7 +26,7 @@
 namespace lte::experiments {
 namespace {
 
-/// What RenderFormer's paper says of its shape: 12 layers of self-attention over triangles, and 6 of
+/// RenderFormer's shape by its paper: 12 layers of self-attention over triangles, and 6 of
 /// cross-attention and self-attention over bundles of 8 x 8 rays, 768 channels, 6 heads. Parameters
 /// of norms and encodings aside, which are small, memory follows from these.
 constexpr int64_t kWidth = 768, kHeads = 6, kSceneLayers = 12, kViewLayers = 6, kBundle = 8;

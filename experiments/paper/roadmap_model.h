@@ -1,5 +1,5 @@
 // The three networks of the paper's roadmap (figure 11): a global transformer over the scene points
-// whose features are averaged around a query; the same average of the latents of the light transport
+// with features averaged around a query; the same average of the latents of the light transport
 // encoder; and the whole network.
 #pragma once
 
@@ -47,7 +47,7 @@ class GlobalAttentionImpl : public torch::nn::Module {
 };
 TORCH_MODULE(GlobalAttention);
 
-/// x += Attention(LN(x)); x += MLP(LN(x)). Parameters: `norm1.*`, `attention.*`, `norm2.*`, `mlp.*`.
+/// x += Attention(LN(x)); x += MLP(LN(x)). Parameters: `norm1.*`, `attention.*`, `norm2.*`, `mlp.*`
 class GlobalBlockImpl : public torch::nn::Module {
  public:
   GlobalBlockImpl(int64_t channels, int64_t heads, Attention attention);

@@ -71,7 +71,7 @@ def measure(run, sample):
     for change in ("none", *CHANGES):
         scene = run.root / run.folder(change.replace(" ", "-") + ".glb")
         changed_room(run.root / ROOM, scene, change)
-        for method, spp in (("path", run.size(4096, 1024)), ("network", 64), ("gather", 64)):
+        for method, spp in (("path", run.size(4096, 1024)), ("network", 256), ("gather", 256)):
             label = f"{scene.stem}-{method}"
             out = run.root / run.folder(label + ".csv")
             words = ["--checkpoint", "assets/models/lte-base.safetensors"] \

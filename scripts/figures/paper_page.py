@@ -6,19 +6,20 @@ from paper_words import digits
 
 HEAD = """# The paper's tables and figures, measured here
 
-Every table and figure of the paper, its figures, and ours. `scripts/figures/paper.py ROW` measures
-a row, `--list` names rows and costs; rows of this page are those of docs/paper, which
-`--keep` and `--page` put here.
+Every table and figure of the paper with its numbers, and ours beside them.
+`scripts/figures/paper.py ROW` measures a row; `--list` says what each costs, and `--keep ROW`
+with `--page` put it here.
 
 ```sh no-run
 scripts/figures/paper.py all --quick        # small data: 20 minutes of two cores
 scripts/figures/paper.py all                # within a day of two cores
 ```
 
-**What differs.** The paper trained 42 M parameters on 13,900 homes for two million steps on twelve
-GPUs. Models here are lte-base (3.2 M, with light solved on its points) or networks trained for
-minutes on boxes. MSE is over the mean emission, so no figure of an error compares with the
-paper's; the order of rows does. *quick* says that a row was measured by `--quick`.
+**What differs.** The paper trained 42 M parameters on 13,900 scenes for two million steps, a week
+of four GPUs. Networks here are lte-base (3.2 M parameters, with light solved on its scene points)
+or were trained for minutes on boxes, at width 32. MSE is over the mean emission: errors do not
+compare with the paper's, the order of rows does. Rows marked *quick* come from `--quick`: few
+scenes, short trainings; ± is half the distance of two seeds.
 
 | paper | there | here | row |
 |---|---|---|---|

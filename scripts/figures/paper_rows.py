@@ -49,10 +49,11 @@ def roadmap(run):
 
 
 def roadmap_line(rows):
-    names = zip(("vanilla", "+ encoder", "+ query decoder"), NETWORKS)
+    names = list(zip(("vanilla", "+ encoder", "+ query decoder"), NETWORKS))
     return "; ".join(f"{name} {spread_of(rows, 'mse', network=key)} "
                      f"({digits(mean_of(rows, 'step_ms', network=key), 2)} ms a step)"
-                     for name, key in names)
+                     for name, key in names) + "; best first: " + ", ".join(
+        name for name, key in sorted(names, key=lambda n: mean_of(rows, "mse", network=n[1])))
 
 
 VARIANTS = {"as trained": "", "kappa 8": "model.query_neighbours=8",
@@ -228,7 +229,8 @@ ROWS = (
         (("method", "name"), ("queries", "queries"), ("parameters", "parameters"),
          ("at first", "first"), ("half time", "middle"), ("held out", "held_out"),
          ("learnt", "learnt"))),
-    Row("edits", "Figures: light, object, albedo", "pictures", "30 min; 3 min", edits, paper_edits.line,
+    Row("edits", "Figures: light, object, albedo", "pictures", "30 min; 3 min", edits,
+        paper_edits.line,
         (("change", "change"), ("method", "method"), ("change over light", "size"),
          ("error of the change", "error_of_change"), ("error after", "error_after"))),
     Row("teaser", "Figure 1", "a picture of 2688x1152", "10 min; 2 min", teaser, teaser_line,
