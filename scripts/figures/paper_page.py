@@ -44,6 +44,11 @@ OTHERS = (
     ("Sampling of scene points", "negligible", "not run: no key chooses a strategy", ""),
 )
 
+PICTURE = """
+![The living room at 2688x1152, gathered over the light that lte-base knows: row teaser,
+draft, shown at a third](images/paper_teaser.jpg)
+"""
+
 AFTER = ("table1", "roadmap", "memory", "by-heart", "edits")
 
 
@@ -82,4 +87,4 @@ def page(folder):
             found = files[row.name]
             text += (f"\n## {row.items}\n\n`{found['command']}`, {found['date']}, "
                      f"{found['cpu_seconds']:.0f} CPU s.\n\n{table(row, found['rows'])}")
-    return text
+    return text + PICTURE
