@@ -103,12 +103,12 @@ def paper(subject):
     check(stored > fused + 14 * 2048 ** 2 * 4 / 2 ** 20,
           f"attention that is stored takes more memory ({stored:.0f} MB) than fused ({fused:.0f})")
     sample = subject.folder / "box.safetensors"
-    subject.tool("lte_datagen", "bake", BOX, "--out", sample, "--queries", 2000, "--rays", 16,
+    subject.tool("lte_datagen", "bake", BOX, "--out", sample, "--queries", 2000, "--rays", 64,
                  "--scene-points", 1024, "--views", 0, "--quiet")
     for method in ("grid", "latents-mean", "latents-decoder"):
         result = subject.run("by-heart", sample, "--method", method, "--seconds", 2, "--batch", 512)
         last = result["looks"][-1]["held_out_relmse"]
-        check(last < 0.5 * result["first_relmse"], f"{method} learns the box: error {last:.3f}")
+        check(last < 0.6 * result["first_relmse"], f"{method} learns the box: error {last:.3f}")
     data = subject.folder / "data"
     subject.tool("lte_datagen", "generate", "--config", ROOT / "configs/data/boxes_small.yaml",
                  "--out", data, "--scenes", 6, "--set", "rays=16", "--set", "query_points=256",

@@ -1,5 +1,6 @@
 // experiment_paper roadmap: trains one network of the paper's roadmap for a number of steps, and
 // measures it on the validation split.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -52,26 +53,26 @@ train::TrainConfig configuration(const Request& request) {
 }
 
 struct Errors {
-  double loss = 0, mse = 0, relmse = 0;
+  double loss = 0, mse = 0;
+  double share = 0;  ///< MSE over the mean square of a scene's targets
 };
 
 /// Means over scenes, of irradiance over the emission scale.
 Errors validate(RoadmapModel& model, const std::vector<train::Example>& examples,
                 const nn::LossConfig& loss) {
-  constexpr double kEpsilon = 1e-2;
   const at::NoGradGuard no_grad;
   model->eval();
   Errors sum;
   for (const train::Example& example : examples) {
     const at::Tensor answer = model->forward(example.points, example.queries, example.seed);
-    const at::Tensor square = (answer - example.target).square();
+    const double mse = (answer - example.target).square().mean().item<double>();
     sum.loss += nn::relative_loss(answer, example.target, loss).item<double>();
-    sum.mse += square.mean().item<double>();
-    sum.relmse += (square / (example.target.square() + kEpsilon)).mean().item<double>();
+    sum.mse += mse;
+    sum.share += mse / std::max(1e-12, example.target.square().mean().item<double>());
   }
   model->train();
   const auto count = static_cast<double>(examples.size());
-  return {sum.loss / count, sum.mse / count, sum.relmse / count};
+  return {sum.loss / count, sum.mse / count, sum.share / count};
 }
 
 int64_t trained_parameters(const RoadmapModel& model) {
@@ -126,9 +127,9 @@ void run(const Request& request) {
   }
   const double seconds = cpu_seconds() - begin;
   const Errors last = validate(model, held_out, config.loss);
-  std::printf("%s, seed %llu: MSE %.4g at first, %.4g after %lld steps of %.0f ms\n",
-              request.network.c_str(), static_cast<unsigned long long>(request.seed), first.mse,
-              last.mse, static_cast<long long>(request.steps),
+  std::printf("%s, seed %llu: error %.4g at first, %.4g after %lld steps of %.0f ms\n",
+              request.network.c_str(), static_cast<unsigned long long>(request.seed), first.share,
+              last.share, static_cast<long long>(request.steps),
               1e3 * seconds / static_cast<double>(request.steps));
   if (request.common.json.empty()) return;
   const nlohmann::json json = {{"network", request.network},
@@ -142,7 +143,8 @@ void run(const Request& request) {
                                {"first_mse", first.mse},
                                {"loss", last.loss},
                                {"mse", last.mse},
-                               {"relmse", last.relmse},
+                               {"first_share", first.share},
+                               {"share", last.share},
                                {"cpu_seconds", seconds},
                                {"peak_rss_mb", peak_rss_mb()}};
   write_file(request.common.json, json.dump(1) + "\n");

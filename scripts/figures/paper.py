@@ -51,9 +51,10 @@ class Run:
         (ROOT / path).parent.mkdir(parents=True, exist_ok=True)
         return str(path)
 
-    def tool(self, label, *words):
-        """Runs a program with --json, and returns what it writes there."""
-        path = self.out / self.row / f"{label.replace(' ', '-')}.json"
+    def tool(self, label, *words, shared=False):
+        """Runs a program with --json, and returns what it writes there. Rows share data that a
+        shared command makes."""
+        path = self.out / ("work" if shared else self.row) / f"{label.replace(' ', '-')}.json"
         words = [self.bin / words[0], *words[1:]]
         self.run(label, [*words, "--quiet", "--json", path], path)
         return json.loads((ROOT / path).read_text())

@@ -38,7 +38,7 @@ def generated(run, label, config, scenes, seed, *settings):
     data = run.folder(label)
     words = [word for setting in settings for word in ("--set", setting)]
     run.tool(label, "lte_datagen", "generate", "--config", f"configs/data/{config}.yaml", "--out",
-             data, "--scenes", scenes, "--seed", seed, "--resume", *words)
+             data, "--scenes", scenes, "--seed", seed, "--resume", *words, shared=True)
     return data
 
 
