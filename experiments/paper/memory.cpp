@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -140,12 +139,6 @@ torch::optim::AdamW with_moments(torch::nn::Module& network) {
   return optimizer;
 }
 
-/// Lets the peak of the process begin anew at what it holds now, MB, which it returns.
-double reset_peak() {
-  std::ofstream("/proc/self/clear_refs") << "5";
-  return peak_rss_mb();
-}
-
 void run(const Request& request) {
   CommandFiles files;
   bench::begin_command(request.common, &files);
@@ -157,7 +150,8 @@ void run(const Request& request) {
   for (const at::Tensor& parameter : measured.network->parameters())
     parameters += parameter.requires_grad() ? parameter.numel() : 0;
   const torch::optim::AdamW optimizer = with_moments(*measured.network);
-  const double resident = reset_peak();
+  reset_peak_rss();
+  const double resident = current_rss_mb();
   const std::clock_t begin = std::clock();
   measured.answer().square().mean().backward();
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
