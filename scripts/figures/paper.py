@@ -14,7 +14,7 @@ usage: scripts/figures/paper.py --list              names the rows and what each
 
 A row is a list of commands. The result of each is kept in DIR/ROW and is not made again while its
 command line is the same, so that a stopped run goes on where it was. Processor seconds are those of
-the commands, on whatever else the machine does.
+the commands as they ran last: scenes that an earlier, stopped one had made are not counted.
 """
 import argparse
 import datetime

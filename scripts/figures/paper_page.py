@@ -29,7 +29,7 @@ scenes, short trainings; ± is half the distance of two seeds.
 OTHERS = (
     ("Figures 4 to 6: pipeline, data", "diagrams",
      "[architecture.md](architecture.md), [dataset.md](dataset.md)", ""),
-    ("Figure 3: attention", "picture", "not drawn again",
+    ("Figure 3: attention", "picture", "drawn on demand",
      "`experiment_attention SCENE.glb --point X,Y,Z --out a.png`"),
     ("Table 1: Deep Shading, Hermosilla", "MSE .071, .171", "not run: neither is written", ""),
     ("Figure 8: full renderings", "pictures", "[README](../README.md)", "`lte_render`"),
@@ -41,7 +41,7 @@ OTHERS = (
     ("Path guiding", "picture at 2 paths", "[lab](lab/radiance.md)", "`experiment_guiding`"),
     ("Time on a GPU", "208 + 368 ms", "[lab](lab/gpu.md)",
      "`lte_bench encoder`"),
-    ("Sampling of scene points", "negligible", "not run: no key chooses a strategy", ""),
+    ("Sampling of scene points", "no effect", "not run: no key chooses a strategy", ""),
 )
 
 PICTURE = """
@@ -49,7 +49,7 @@ PICTURE = """
 draft, shown at a third](images/paper_teaser.jpg)
 """
 
-AFTER = ("table1", "roadmap", "memory", "by-heart", "edits")
+AFTER = ("table1", "roadmap")  # shown in full
 
 
 def cell(value):
@@ -86,5 +86,5 @@ def page(folder):
         if row.name in AFTER and row.name in files:
             found = files[row.name]
             text += (f"\n## {row.items}\n\n`{found['command']}`, {found['date']}, "
-                     f"{found['cpu_seconds']:.0f} CPU s.\n\n{table(row, found['rows'])}")
+                     f"{found['machine']}.\n\n{table(row, found['rows'])}")
     return text + PICTURE
