@@ -67,16 +67,23 @@ def surface(points: Any, normals: Any) -> tuple[Floats, Floats]:
 
 
 def _triples(name: str, values: Any) -> Floats:
-    """[N, 3] float32 rows; contiguous ones are taken as they are."""
+    """[N, 3] float32 rows; those of three adjacent numbers are taken as they are."""
     array = _array(name, values)
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"{name}: expected [N, 3], got {list(array.shape)}")
     with np.errstate(over="ignore"):  # what float32 cannot hold is not finite there
-        rows = np.ascontiguousarray(array, np.float32)
+        rows = array if _readable(array) else np.ascontiguousarray(array, np.float32)
     finite = np.isfinite(rows).all(axis=1)
     if not finite.all():
         raise ValueError(f"{name}: row {int(np.argmin(finite))} is not finite")
     return rows
+
+
+def _readable(rows: NDArray[Any]) -> bool:
+    """Whether the module reads them in place."""
+    apart, along = rows.strides
+    return (rows.dtype == np.float32 and rows.dtype.isnative and rows.flags.aligned
+            and apart % 4 == 0 and along == 4)
 
 
 def _array(name: str, values: Any) -> NDArray[Any]:

@@ -14,9 +14,8 @@ namespace lte::python {
 namespace {
 
 std::vector<Vec3> directions_of(const Triples& rows) {
-  std::vector<Vec3> out;
-  out.reserve(rows.shape(0));
-  for (const Vec3& row : span_of(rows)) out.push_back(normalize(row));
+  std::vector<Vec3> out = vector_of(rows);
+  for (Vec3& row : out) row = normalize(row);
   return out;
 }
 
@@ -30,8 +29,7 @@ nb::dict probe(const Scene& self, const Triples& points, const Triples& normals,
   request.seed = seed;
   const infer::ProbeAnswer answer = interruptible([&] {
     scene::PointTable table;
-    const std::span<const Vec3> at = span_of(points);
-    table.position.assign(at.begin(), at.end());
+    table.position = vector_of(points);
     table.normal = directions_of(normals);
     infer::Renderer renderer = self.renderer();
     if (!renderer.has_light()) return infer::darkness(table);
@@ -70,8 +68,11 @@ nb::dict trace(const Scene& self, const Triples& points, const Triples& normals,
     options.max_depth = depth;
     options.seed = seed;
     options.by_group = by_light;
-    return pathtrace::estimate_irradiance(*self.bvh(), *self.lights(), span_of(points),
-                                          directions_of(normals), options);
+    std::vector<Vec3> gathered;
+    std::span<const Vec3> at(reinterpret_cast<const Vec3*>(points.data()), points.shape(0));
+    if (!contiguous(points)) at = gathered = vector_of(points);
+    return pathtrace::estimate_irradiance(*self.bvh(), *self.lights(), at, directions_of(normals),
+                                          options);
   });
   std::vector<Rgb> error;
   for (const Rgb& variance : light.variance_total)

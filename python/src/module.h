@@ -25,12 +25,22 @@ namespace lte::python {
 
 namespace nb = nanobind;
 
-/// [N, 3], read in place.
-using Triples = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+/// [N, 3], read in place: three adjacent numbers a row, rows any distance apart.
+using Triples = nb::ndarray<const float, nb::shape<-1, 3>, nb::device::cpu>;
 using Array = nb::ndarray<nb::numpy, float>;
 
-inline std::span<const Vec3> span_of(const Triples& rows) {
-  return {reinterpret_cast<const Vec3*>(rows.data()), rows.shape(0)};
+inline bool contiguous(const Triples& rows) { return rows.shape(0) < 2 || rows.stride(0) == 3; }
+
+inline Vec3 row_of(const Triples& rows, size_t i) {
+  const float* row = rows.data() + static_cast<int64_t>(i) * rows.stride(0);
+  return {row[0], row[1], row[2]};
+}
+
+inline std::vector<Vec3> vector_of(const Triples& rows) {
+  std::vector<Vec3> out;
+  out.reserve(rows.shape(0));
+  for (size_t i = 0; i < rows.shape(0); ++i) out.push_back(row_of(rows, i));
+  return out;
 }
 
 /// An array that owns the numbers.

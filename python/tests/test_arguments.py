@@ -31,10 +31,27 @@ def test_arrays_of_any_layout_give_the_same_answer(room, points):
         np.testing.assert_array_equal(lte.trace(room, position, normal, rays=16).total, want)
 
 
-def test_contiguous_float32_is_not_copied(points):
+def packed(at):
+    """Rows that no multiple of four bytes lies between."""
+    rows = np.zeros(len(at), np.dtype([("at", "<f4", 3), ("tag", "u1")]))
+    rows["at"] = at
+    return rows["at"]
+
+
+@pytest.mark.parametrize("rows, in_place", [
+    (lambda at: at, True), (lambda at: np.hstack([at, at])[:, 3:], True),
+    (lambda at: at[::-1], True),
+    (lambda at: np.repeat(at, 2, 0)[::2], True), (lambda at: at[:1], True), (packed, False),
+    (lambda at: np.asfortranarray(at), False), (lambda at: at[:, ::-1][:, ::-1], True),
+    (lambda at: np.flip(np.flip(at, 1).copy(), 1), False)])
+def test_float32_rows_are_read_in_place(room, points, rows, in_place):
     from lte._arguments import surface
-    at, side = surface(*points)
-    assert np.shares_memory(at, points[0]) and np.shares_memory(side, points[1])
+    at, side = points[0].copy(), points[1]
+    given = rows(at)
+    assert np.shares_memory(surface(given, side[:len(given)])[0], given) == in_place
+    for ask in (lte.trace, lte.irradiance):
+        found = ask(room, given, side[:len(given)]).total
+        np.testing.assert_array_equal(found, ask(room, given.copy(), side[:len(given)]).total)
 
 
 class OfDlpack:
@@ -63,6 +80,17 @@ def test_dlpack_is_read(room, points):
     with pytest.raises(TypeError) as caught:
         lte.trace(room, OnGpu(points[0]), points[1])
     assert "points: expected an array on the CPU" in sentence(caught)
+
+
+def test_tensors_of_pytorch_are_read_in_place(room, points):
+    torch = pytest.importorskip("torch")
+    from lte._arguments import surface
+    rows = torch.cat([torch.from_numpy(array) for array in points], 1)
+    at, side = rows[:, :3], rows[:, 3:]
+    assert all(np.shares_memory(array, rows.numpy()) for array in surface(at, side))
+    np.testing.assert_array_equal(lte.trace(room, at, side).total, lte.trace(room, *points).total)
+    with pytest.raises(TypeError, match="points: .*gradient"):
+        lte.trace(room, at.clone().requires_grad_(), side)
 
 
 def test_no_points_have_no_light(room):

