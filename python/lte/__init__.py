@@ -21,11 +21,12 @@ from numpy.typing import ArrayLike
 from lte import _lte
 from lte._arguments import Floats, Path, choice, number, path_text, surface, whole
 from lte._lte import Error
+from lte.bridges import trimesh_scene
 
 __version__: str = _lte.__version__
-__all__ = ["Camera", "Error", "Light", "Picture", "Scene", "generate_dataset", "generate_scene",
-           "irradiance", "living_room", "load", "render", "set_threads", "set_verbose", "threads",
-           "trace"]
+__all__ = ["Camera", "Error", "Light", "Picture", "Scene", "from_blender",
+           "from_mitsuba", "from_usd", "generate_dataset", "generate_scene", "irradiance",
+           "living_room", "load", "render", "set_threads", "set_verbose", "threads", "trace"]
 
 Integrator: TypeAlias = Literal["gather", "path"]
 
@@ -126,17 +127,49 @@ class Scene:
         self._made.save(path_text(path))
 
 
-def load(path: Path, *, up: Literal["y", "z"] = "y", environment: Path = "",
+def load(path: Path | Any, *, up: Literal["y", "z"] = "y", environment: Path = "",
          environment_turn: float = 0, add_light: str | Iterable[str] = (),
          allow_outside: bool = False) -> Scene:
-    """Reads a .gltf, .glb, .obj, .pbrt or .ply. The options are lte_render's flags.
+    """Reads a .gltf, .glb, .obj, .pbrt or .ply, or a trimesh.Scene. The options are lte_render's
+    flags.
 
     Raises lte.Error, which names the file, if it is missing, damaged, or of another format.
     """
+    if trimesh_scene.is_scene(path):
+        return trimesh_scene.load(path, up=up, environment=environment,  # type: ignore
+                                  environment_turn=environment_turn, add_light=add_light)
     lights = [add_light] if isinstance(add_light, str) else [str(light) for light in add_light]
     return Scene(_lte.load(path_text(path), choice("up", up, "y", "z"), path_text(environment),
                            number("environment_turn", environment_turn, -1e6, 1e6), lights,
                            bool(allow_outside)))
+
+
+def from_blender(depsgraph: Any = None, **options: Any) -> Scene:
+    """The scene that is open in Blender, by default as the viewport shows it. Options as of load().
+
+    For Blender's own Python, or bpy. Shaders that lte lacks are warnings.
+    """
+    from lte.bridges import blender_scene
+    return blender_scene.load(depsgraph, **options)  # type: ignore[no-any-return]
+
+
+def from_mitsuba(scene: Any, **options: Any) -> Scene:
+    """A scene of Mitsuba 3, as a file, a dict, or loaded. The options are those of load().
+
+    Needs Mitsuba, in an RGB variant; chooses scalar_rgb if none is set. Raises ValueError for a
+    shape or lamp that lte lacks; materials that it lacks are warnings.
+    """
+    from lte.bridges import mitsuba_scene
+    return mitsuba_scene.load(scene, **options)  # type: ignore[no-any-return]
+
+
+def from_usd(stage: Any, **options: Any) -> Scene:
+    """A stage of USD, as a file or opened, in metres and with Y up. Options as of load().
+
+    Needs usd-core. Prims that lte lacks are warnings.
+    """
+    from lte.bridges import usd_stage
+    return usd_stage.load(stage, **options)  # type: ignore[no-any-return]
 
 
 def render(scene: Scene, *, size: tuple[int, int] = (512, 512), camera: str | int | Camera = "",

@@ -1,0 +1,1 @@
+"""Scenes of other programs: each becomes a .glb, which lte reads as any other file."""
