@@ -5,7 +5,7 @@ get_property(lte_libraries GLOBAL PROPERTY LTE_LIBRARIES)
 if(LTE_TORCH)
   list(APPEND lte_libraries lte_torch)
 endif()
-# Components are those of packages (LtePackages): tools, dev, and what LibTorch is needed for.
+# Components are those of packages (LtePackages): tools, dev, models, and what an evaluation needs.
 install(TARGETS ${lte_libraries} EXPORT lteTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT tools NAMELINK_COMPONENT dev
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
@@ -18,10 +18,10 @@ install(DIRECTORY assets/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/lte/assets 
 install(DIRECTORY configs docs DESTINATION ${CMAKE_INSTALL_DATADIR}/lte COMPONENT tools)
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/lte COMPONENT tools)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/lte COMPONENT dev)
-install(DIRECTORY assets/models assets/data DESTINATION ${CMAKE_INSTALL_DATADIR}/lte/assets COMPONENT network)
+install(DIRECTORY assets/models DESTINATION ${CMAKE_INSTALL_DATADIR}/lte/assets COMPONENT models)
+install(DIRECTORY assets/data DESTINATION ${CMAKE_INSTALL_DATADIR}/lte/assets COMPONENT network)
 install(DIRECTORY assets/scenes/outside DESTINATION ${CMAKE_INSTALL_DATADIR}/lte/assets/scenes COMPONENT network)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lte COMPONENT tools RENAME copyright)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lte-dev COMPONENT dev RENAME copyright)
+install(PROGRAMS scripts/lte.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools RENAME lte)
 install(EXPORT lteTargets NAMESPACE lte:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte COMPONENT dev)
 configure_package_config_file(cmake/lteConfig.cmake.in ${PROJECT_BINARY_DIR}/lteConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Makes what a release consists of, in out/release: Debian packages lte and lte-dev, an archive of
-# each, the Python wheel, the changelog's part, and SHA256SUMS. Without LibTorch and the network.
+# Makes what a release consists of, in out/release: Debian packages lte, lte-dev and lte-models, an
+# archive of them, the Python wheels, the changelog's part, and SHA256SUMS. Without LibTorch and the
+# network. LTE_MAINTAINER="Name <address>" is the packages' maintainer, by default git's user.
 #
 # usage: scripts/release.sh [--no-wheel]
 set -euo pipefail
@@ -9,7 +10,7 @@ wheel=1
 case "${1:-}" in
   "") ;;
   --no-wheel) wheel= ;;
-  --help | -h) sed -n '2,5s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+  --help | -h) sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
   *) echo "release: unknown argument $1; see --help" >&2; exit 2 ;;
 esac
 scripts/setup.sh --packages

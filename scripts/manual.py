@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Writes man pages and bash completion of the tools, from what their --help says.
+
+usage: scripts/manual.py OUT TOOL ...    # OUT/man/man1/*.1.gz, OUT/bash-completion/completions/*
+"""
+import gzip
+import pathlib
+import re
+import subprocess
+import sys
+from typing import NamedTuple
+
+
+class Option(NamedTuple):
+    names: str  # as in "-h,--help", or the name of a positional or of a subcommand
+    value: str  # "TEXT:{y,z}=y Excludes: --time", or ""
+    about: list[str]  # lines
+
+    def choices(self):
+        found = re.search(r"\{([^}]*)\}", self.value)
+        return found[1].split(",") if found else []
+
+
+class Help(NamedTuple):
+    summary: str
+    usage: str
+    sections: dict[str, list[Option]]
+    examples: list[str]
+
+
+def read_help(command):
+    text = subprocess.run([*command, "--help"], check=True, capture_output=True, text=True).stdout
+    lines = text.split("\n")
+    usage = next(i for i, line in enumerate(lines) if line.startswith("Usage: "))
+    found = Help(" ".join(lines[:usage]).strip(), lines[usage].removeprefix("Usage: "), {}, [])
+    section = None
+    for line in lines[usage + 1:]:
+        entry = re.fullmatch(r"  (\S+)((?: \S+)*)(?:  +(.*))?", line)
+        if line == "Examples:":
+            section = found.examples
+        elif line and not line.startswith(" "):
+            if line.endswith(":"):
+                section = found.sections.setdefault(line[:-1], [])
+            else:
+                section = None
+        elif section is found.examples:
+            section.append(line.strip())
+        elif section is not None and entry:
+            section.append(Option(entry[1], entry[2].strip(), [entry[3]] if entry[3] else []))
+        elif section and line.strip():
+            section[-1].about.append(line.strip())
+    found.examples[:] = [line for line in found.examples if line]
+    return found
+
+
+def troff(text):
+    text = text.replace("\\", "\\e").replace("-", "\\-")
+    return "\\&" + text if text[:1] in (".", "'") else text
+
+
+def man_page(name, version, found, commands):
+    out = [f'.TH {name.upper()} 1 "" "lte {version}" "User Commands"', ".SH NAME",
+           f"{name} \\- {troff(found.summary.rstrip('.')[:1].lower() + found.summary.rstrip('.')[1:])}",
+           ".SH SYNOPSIS", ".B " + troff(found.usage), *sections(found, ".SH")]
+    for command, its in commands.items():
+        out += [".SH " + f'"{command.upper()}"', troff(its.summary), ".PP", ".B " + troff(its.usage),
+                *sections(its, ".SS")]
+    return "\n".join(out) + "\n"
+
+
+def sections(found, heading):
+    out = []
+    for title, options in found.sections.items():
+        out.append(f'{heading} "{title.upper() if heading == ".SH" else title}"')
+        for option in options:
+            out += [".TP", f"\\fB{troff(option.names)}\\fR {troff(option.value)}".rstrip()]
+            out += [line for i, text in enumerate(option.about)
+                    for line in ([".br"] if i else []) + [troff(text)]]
+    if found.examples:
+        out += [f"{heading} {'EXAMPLES' if heading == '.SH' else 'Examples'}", ".nf",
+                *map(troff, found.examples), ".fi"]
+    return out
+
+
+def flags(found):
+    return [name for options in found.sections.values() for option in options
+            for name in option.names.split(",") if name.startswith("--")]
+
+
+def completion(name, found, commands):
+    """A function that offers flags, choices of the flag before, subcommands, and files."""
+    chosen = {}
+    for its in (found, *commands.values()):
+        for options in its.sections.values():
+            chosen |= {option.names.split(",")[-1]: option.choices() for option in options
+                       if option.choices() and option.names.startswith("-")}
+    lines = [f"_{name}() {{", '  local word=${COMP_WORDS[COMP_CWORD]} flags', "  COMPREPLY=()",
+             "  case ${COMP_WORDS[COMP_CWORD - 1]} in"]
+    lines += [f"    {flag}) COMPREPLY=($(compgen -W '{' '.join(words)}' -- \"$word\")); return ;;"
+              for flag, words in chosen.items()]
+    lines += ["  esac", f"  flags='{' '.join(flags(found))}'"]
+    if commands:
+        lines.append("  case ${COMP_WORDS[1]} in")
+        lines += [f"    {command}) flags='{' '.join(flags(its))}' ;;"
+                  for command, its in commands.items()]
+        lines += ["  esac", "  if [ \"$COMP_CWORD\" -eq 1 ]; then flags=\"$flags "
+                  f"{' '.join(commands)}\"; fi"]
+        lines.append("  if [[ $word == -* || $COMP_CWORD -eq 1 ]]; then")
+    else:
+        lines.append("  if [[ $word == -* ]]; then")
+    lines += ["    COMPREPLY=($(compgen -W \"$flags\" -- \"$word\"))", "  fi", "}",
+              f"complete -o default -F _{name} {name}"]
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    if len(sys.argv) < 3 or sys.argv[1].startswith("-"):
+        print(__doc__.strip().split("\n\n")[1], file=sys.stderr)
+        return 2
+    out = pathlib.Path(sys.argv[1])
+    pages, words = out / "man" / "man1", out / "bash-completion" / "completions"
+    for folder in (pages, words):
+        folder.mkdir(parents=True, exist_ok=True)
+    for tool in map(pathlib.Path, sys.argv[2:]):
+        said = subprocess.run([tool, "--version"], check=True, capture_output=True, text=True)
+        found = read_help([tool])
+        commands = {option.names: read_help([tool, option.names])
+                    for option in found.sections.get("Subcommands", [])}
+        page = man_page(tool.name, said.stdout.split()[-1], found, commands)
+        with gzip.GzipFile(pages / f"{tool.name}.1.gz", "wb", mtime=0) as file:
+            file.write(page.encode())
+        (words / tool.name).write_text(completion(tool.name, found, commands))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
