@@ -113,6 +113,42 @@ def completion(name, found, commands):
     return "\n".join(lines) + "\n"
 
 
+# `lte render` is completed as lte_render is; info is a command of lte_datagen.
+LTE_COMPLETION = """_lte() {
+  COMPREPLY=()
+  if [ "$COMP_CWORD" -eq 1 ]; then
+    COMPREPLY=($(compgen -W 'render view probe data info --help --version' -- "$2"))
+    return
+  fi
+  local tool=lte_${COMP_WORDS[1]}
+  case ${COMP_WORDS[1]} in
+    data) tool=lte_datagen ;;
+    info) tool=lte_datagen COMP_WORDS=(lte "${COMP_WORDS[@]}") COMP_CWORD=$((COMP_CWORD + 1)) ;;
+  esac
+  declare -F "_$tool" >/dev/null || _completion_loader "$tool" 2>/dev/null
+  COMP_WORDS=("$tool" "${COMP_WORDS[@]:2}") COMP_CWORD=$((COMP_CWORD - 1))
+  if declare -F "_$tool" >/dev/null; then "_$tool"; fi
+}
+complete -o default -F _lte lte
+"""
+
+
+def lte_page(version):
+    """Of the command that runs the tools."""
+    said = subprocess.run([pathlib.Path(__file__).with_name("lte.sh"), "--help"], check=True,
+                          capture_output=True, text=True).stdout.splitlines()
+    return "\n".join([
+        f'.TH LTE 1 "" "lte {version}" "User Commands"', ".SH NAME",
+        "lte \\- global illumination of scenes", ".SH SYNOPSIS", ".B lte COMMAND ...",
+        ".SH COMMANDS", ".nf", *(troff(line.strip()) for line in said[1:]), ".fi", ".SH SEE ALSO",
+        "lte_render(1), lte_view(1), lte_probe(1), lte_datagen(1)", ""])
+
+
+def write_page(path, page):
+    with gzip.GzipFile(path, "wb", mtime=0) as file:
+        file.write(page.encode())
+
+
 def main():
     if len(sys.argv) < 3 or sys.argv[1].startswith("-"):
         print(__doc__.strip().split("\n\n")[1], file=sys.stderr)
@@ -127,9 +163,10 @@ def main():
         commands = {option.names: read_help([tool, option.names])
                     for option in found.sections.get("Subcommands", [])}
         page = man_page(tool.name, said.stdout.split()[-1], found, commands)
-        with gzip.GzipFile(pages / f"{tool.name}.1.gz", "wb", mtime=0) as file:
-            file.write(page.encode())
+        write_page(pages / f"{tool.name}.1.gz", page)
         (words / tool.name).write_text(completion(tool.name, found, commands))
+    write_page(pages / "lte.1.gz", lte_page(said.stdout.split()[-1]))
+    (words / "lte").write_text(LTE_COMPLETION)
     return 0
 
 
