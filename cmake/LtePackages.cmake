@@ -40,14 +40,14 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "lte (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libembree-dev, libopenexr-dev, libtinygltf-dev, libcli11-dev, libyaml-cpp-dev, nlohmann-json3-dev, libwebp-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
-"Development files: headers and libraries of lte for C and C++, with find_package(lte), and its
-example programs.")
+"Development files: headers and libraries of lte for C and C++, with
+find_package(lte), and its example programs.")
 set(CPACK_DEBIAN_MODELS_PACKAGE_NAME lte-models)
 set(CPACK_DEBIAN_MODELS_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_MODELS_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_COMPONENT_MODELS_DESCRIPTION
-"Trained networks for the tools of lte that were built with LibTorch, in safetensors.
-The tools of the package lte use none.")
+"Trained networks for the tools of lte that were built with LibTorch, in
+safetensors. The tools of the package lte use none.")
 include(CPack)
 # What Debian expects in each package.
 execute_process(COMMAND git log -1 --format=%aD WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
