@@ -23,7 +23,7 @@ enum class Texel : uint8_t {
   Dark = 3      ///< of a chart, where no light reaches; 0
 };
 
-/// Light of one kind. Layers are sums of nothing: they add up to all light that was baked.
+/// Light of one kind. Layers add up to all light that was baked.
 struct Layer {
   std::string name;               ///< of the light group; "light" where all are in one
   std::vector<float> irradiance;  ///< [height, width, 3] E, W/m²
