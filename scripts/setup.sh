@@ -3,7 +3,8 @@
 # when nothing is to do.
 #
 #   scripts/setup.sh            packages, LibTorch, Open Image Denoise
-#   scripts/setup.sh --tests    and what tests need besides: PyPI's tensorboard, nanobind, pytest
+#   scripts/setup.sh --tests    and what tests need besides: PyPI's tensorboard, nanobind, pytest,
+#                               pyktx2
 #   scripts/setup.sh --packages the packages alone, for -DLTE_TORCH=OFF
 #   LTE_SKIP_APT=1 ...          never touch the system's packages
 #   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
@@ -92,14 +93,14 @@ install_tensorboard() {
   fi
 }
 
-# The Python package (-DLTE_PYTHON=ON), and what its tests import.
+# The Python package (-DLTE_PYTHON=ON), and what its tests import; a reader of KTX2 files.
 install_python_package_needs() {
-  local marker=.venv/tests/lte-python-1
-  if [ -e "$marker" ]; then say "Python package: nanobind and pytest in .venv/tests"; return; fi
-  say "Python package: installing nanobind, NumPy, pytest and hypothesis into .venv/tests"
+  local marker=.venv/tests/lte-python-2
+  if [ -e "$marker" ]; then say "Python package: nanobind, pytest and pyktx2 in .venv/tests"; return; fi
+  say "Python package: installing nanobind, NumPy, pytest, hypothesis and pyktx2 into .venv/tests"
   [ -x .venv/tests/bin/pip ] || make_environment .venv/tests
   .venv/tests/bin/pip install --quiet --disable-pip-version-check 'nanobind>=3.1,<4' numpy pytest \
-    hypothesis
+    hypothesis pyktx2
   touch "$marker"
 }
 
