@@ -54,6 +54,9 @@ ALLOWED = {
     "lte/gi": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*"],
     # Pictures: integrators, films, passes.
     "lte/render": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/gi"],
+    # Light maps and probes, then the files that engines take.
+    "lte/bake": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/gi"],
+    "lte/bake/formats": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/bake"],
     "lte/data": ["lte/base"],
     "lte/radiosity": ["lte/base"],
     "lte/ops": ["lte/base", "lte/ops/cpu/*"],
