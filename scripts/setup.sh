@@ -4,7 +4,7 @@
 #
 #   scripts/setup.sh            packages, LibTorch, Open Image Denoise
 #   scripts/setup.sh --tests    and what tests need besides: PyPI's tensorboard, nanobind, pytest,
-#                               pyktx2
+#                               pyktx2, three.js
 #   scripts/setup.sh --packages the packages alone, for -DLTE_TORCH=OFF
 #   LTE_SKIP_APT=1 ...          never touch the system's packages
 #   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
@@ -104,6 +104,22 @@ install_python_package_needs() {
   touch "$marker"
 }
 
+# three.js as an ES module with its loader of glTF, for light maps in a browser: nicegui's wheel has
+# it bundled.
+install_three() {
+  if [ -e .venv/tests/three.js ]; then say "three.js: in .venv/tests"; return; fi
+  say "three.js: taking it out of nicegui's wheel into .venv/tests"
+  [ -x .venv/tests/bin/pip ] || make_environment .venv/tests
+  local folder; folder=$(mktemp -d)
+  if .venv/tests/bin/pip download --quiet --disable-pip-version-check --no-deps --dest "$folder" \
+    'nicegui==3.18.0' && .venv/tests/bin/python -m zipfile -e "$folder"/nicegui-*.whl "$folder"; then
+    cp "$folder/nicegui/elements/scene/dist/index.js" .venv/tests/three.js
+  else
+    say "three.js: could not be taken; its test will skip"
+  fi
+  rm -rf "$folder"
+}
+
 tests='' packages_alone=''
 case "${1:-}" in
   --tests) tests=1; packages+=(python3-dev) ;;
@@ -115,5 +131,5 @@ if command -v dpkg-query >/dev/null; then install_packages; else say "packages: 
 if [ -n "$packages_alone" ]; then say "done"; exit; fi
 install_torch
 install_oidn
-[ -z "$tests" ] || { install_tensorboard; install_python_package_needs; }
+[ -z "$tests" ] || { install_tensorboard; install_python_package_needs; install_three; }
 say "done"

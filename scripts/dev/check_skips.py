@@ -18,6 +18,8 @@ WARRANTED = {
     "*Passive*": "one processor, or the sanitizer takes all addresses",
     "CanStartThreads.*": "the sanitizer takes all addresses",
     "CApi.ThreadsSleepBetweenCalls": "one processor",
+    "Engines.Blender*": "no Python with bpy (LTE_BPY_PYTHON)",
+    "Engines.Three*": "no Chromium, or no three.js",  # scripts/setup.sh --tests takes the latter
     "Ktx2Files.PyKtx2*": "no pyktx2",  # scripts/setup.sh --tests installs it
     "OidnLibrary.*": "no Open Image Denoise",  # scripts/setup.sh installs it
     "Videos.Ffmpeg*": "no ffmpeg",

@@ -118,14 +118,15 @@ class Page:
 
 
 class Browser:
-    def __init__(self):
+    def __init__(self, *arguments):
         self.profile = tempfile.mkdtemp(prefix="lte-browser-")
         self.log = open(pathlib.Path(self.profile) / "log", "w+")
         self.process = subprocess.Popen([
             find_browser(), "--headless=new", "--no-sandbox", "--disable-gpu",
             "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions",
             "--disable-background-networking", "--hide-scrollbars", "--mute-audio",
-            "--remote-debugging-port=0", f"--user-data-dir={self.profile}/profile", "about:blank"
+            "--remote-debugging-port=0", f"--user-data-dir={self.profile}/profile", *arguments,
+            "about:blank"
         ], stdout=self.log, stderr=self.log)
         self.port = self._port()
 
