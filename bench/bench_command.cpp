@@ -12,6 +12,9 @@
 #if LTE_HAS_SCENE
 #include "bench/pareto/pareto_command.h"
 #endif
+#if LTE_HAS_BAKE
+#include "bench/bake_table.h"
+#endif
 
 namespace lte::bench {
 
@@ -64,6 +67,14 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
     request->command = [request, chart] {
       run_pareto(*chart, request->options.repeats, request->common);
     };
+  });
+#endif
+#if LTE_HAS_BAKE
+  CLI::App* bake = app.add_subcommand("bake", "Seconds against error of light maps");
+  const auto table = std::make_shared<BakeTableRequest>();
+  add_bake_table_options(*bake, table.get());
+  bake->fallthrough()->callback([request, table] {
+    request->command = [request, table] { run_bake_table(*table, request->common); };
   });
 #endif
   app.require_subcommand(1);

@@ -55,7 +55,8 @@ ALLOWED = {
     # Pictures: integrators, films, passes.
     "lte/render": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/gi"],
     # Light maps and probes, then the files that engines take.
-    "lte/bake": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/gi"],
+    "lte/bake": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/gi",
+                 "lte/render"],
     "lte/bake/formats": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/bake"],
     "lte/data": ["lte/base"],
     "lte/radiosity": ["lte/base"],
@@ -114,8 +115,8 @@ for depth, room in enumerate(INFER_SHARED):
     ALLOWED[room] = INFER + INFER_SHARED[:depth]
 # A scene in memory that takes edits: for the tools that show one.
 ALLOWED["infer/session"] = INFER + INFER_SHARED
-# Render, probe, eval and export never include one another.
-for tool in ("render", "probe", "eval", "export"):
+# Render, probe, bake, eval and export never include one another.
+for tool in ("render", "probe", "bake", "eval", "export"):
     ALLOWED[f"infer/{tool}"] = INFER + INFER_SHARED + ["lte/report"]
 # The rooms of eval, each on those before it: how errors are measured, what the network is compared
 # with, the comparison, and what is said of it.
@@ -126,9 +127,10 @@ for depth, room in enumerate(EVAL):
 ALLOWED["infer/eval"] += EVAL
 ALLOWED["infer/export"] += ["lte/torchscript", "lte/nn"]
 ALLOWED["infer/render"] += ["infer/session"]
+ALLOWED["infer/bake"] += ["lte/bake", "lte/bake/formats"]
 # lte_bench times everything below it, and draws the chart of lte_render's pictures.
 ALLOWED["bench"] = (INFER + INFER_SHARED +
-                    ["lte/nn", "lte/ops", "lte/report", "infer/render", "bench/*"])
+                    ["lte/nn", "lte/ops", "lte/report", "lte/bake", "infer/render", "bench/*"])
 ALLOWED["bench/pareto"] = ALLOWED["bench"] + ["infer/eval/measure"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]

@@ -2,7 +2,7 @@
 # Everything lte needs on Debian 12: packages, and LibTorch in .venv. Idempotent; takes a second
 # when nothing is to do.
 #
-#   scripts/setup.sh            packages, LibTorch, Open Image Denoise
+#   scripts/setup.sh            packages, LibTorch, Open Image Denoise, xatlas
 #   scripts/setup.sh --tests    and what tests need besides: PyPI's tensorboard, nanobind, pytest,
 #                               pyktx2, three.js
 #   scripts/setup.sh --packages the packages alone, for -DLTE_TORCH=OFF
@@ -11,7 +11,8 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-readonly torch_version=2.11.0 oidn_version=2.5.1.0
+readonly torch_version=2.11.0 oidn_version=2.5.1.0 xatlas_version=0.0.11
+readonly xatlas_checksum=72f0bc6c42c19252be87e947d9dfe251c8d6c6943fd43e3d173ddc6b1afad693
 packages=(build-essential cmake ninja-build ccache pkg-config python3 python3-venv
   libembree-dev libopenexr-dev libtinygltf-dev libstb-dev zlib1g-dev libdraco-dev libwebp-dev
   libflann-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev libgloo-dev
@@ -70,6 +71,25 @@ install_oidn() {
   else
     say "Open Image Denoise: could not be installed; lte denoises by a filter of its own"
   fi
+}
+
+# Charts of light maps (lte_bake): two files of the source package, compiled with lte.
+install_xatlas() {
+  if [ -e .venv/xatlas/xatlas.cpp ]; then say "xatlas: $xatlas_version in .venv"; return; fi
+  say "xatlas: taking two files of its source package $xatlas_version into .venv/xatlas"
+  [ -x .venv/bin/pip ] || make_environment .venv
+  local folder file; folder=$(mktemp -d)
+  file=$folder/xatlas-$xatlas_version.tar.gz
+  if .venv/bin/pip download --quiet --disable-pip-version-check --no-deps --no-binary :all: \
+    --dest "$folder" "xatlas==$xatlas_version" &&
+    echo "$xatlas_checksum  $file" | sha256sum --check --quiet; then
+    mkdir -p .venv/xatlas
+    tar xzf "$file" -C .venv/xatlas --strip-components=5 \
+      "xatlas-$xatlas_version/extern/xatlas/source/xatlas"
+  else
+    say "xatlas: could not be fetched; lte_bake will not be built"
+  fi
+  rm -rf "$folder"
 }
 
 # The system's python3, so that neither wheel nor environment depends on whichever version manager
@@ -131,5 +151,6 @@ if command -v dpkg-query >/dev/null; then install_packages; else say "packages: 
 if [ -n "$packages_alone" ]; then say "done"; exit; fi
 install_torch
 install_oidn
+install_xatlas
 [ -z "$tests" ] || { install_tensorboard; install_python_package_needs; install_three; }
 say "done"

@@ -28,6 +28,7 @@
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/cli/command_files.h"
+#include "lte/cli/numbers.h"
 #include "lte/cli/writable.h"
 #include "lte/embed/untrained_light.h"
 #include "lte/pathtrace/reach/lost_light.h"

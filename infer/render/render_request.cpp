@@ -1,6 +1,5 @@
 #include "infer/render/render_request.h"
 
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <tuple>
@@ -11,6 +10,7 @@
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_keys.h"
 #include "lte/base/check.h"
+#include "lte/cli/numbers.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::infer {
@@ -20,15 +20,6 @@ std::string check_picture_name(const std::string& path) {
   if (is_picture_path(path) || is_video_path(path)) return "";
   return concat("\"", path,
                 "\" ends neither in .exr or .png nor, for a video, in .mp4, .webm or .gif");
-}
-
-std::string check_time(const std::string& text) {
-  try {
-    parse_time(text);
-    return "";
-  } catch (const Error& error) {
-    return error.what();
-  }
 }
 
 /// The picture of a command line without --out: named after the scene, in the working folder.
@@ -87,7 +78,7 @@ void add_light_options(CLI::App& app, RenderRequest* r) {
       app.add_option("--time", r->time,
                      "Passes until such a time is over, as 0.5s or 200ms: cache, encoding and "
                      "denoising included, reading the scene and writing the picture not")
-          ->check(CLI::Validator(check_time, "TIME"))
+          ->check(a_time())
           ->excludes(quality);
   app.add_option("--spp", r->spp, "With --integrator path: so many paths a pixel")
       ->check(CLI::Range(1, 1 << 24))
@@ -173,17 +164,6 @@ void check_used(const RenderRequest& r, Method method, Output output) {
 }
 
 }  // namespace
-
-double parse_time(const std::string& text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, value);
-  const std::string unit(at, end);
-  const bool known = error == std::errc() && (unit == "s" || unit == "ms");
-  LTE_CHECK(known && std::isfinite(value) && value > 0, "\"", text,
-            "\": expected a time such as 0.5s or 200ms");
-  return unit == "s" ? value : value / 1000;
-}
 
 RenderSettings settings_of(const RenderRequest& request) {
   RenderSettings settings = request.settings;

@@ -47,7 +47,4 @@ void add_render_options(CLI::App& app, RenderRequest* request);
 /// @throws lte::Error of one line for flags and keys that would be ignored
 RenderSettings settings_of(const RenderRequest& request);
 
-/// "0.5s" -> 0.5, "200ms" -> 0.2. @throws lte::Error for anything else.
-double parse_time(const std::string& text);
-
 }  // namespace lte::infer

@@ -85,4 +85,28 @@ void guard_numbers(CLI::App* app) {
 CLI::Validator positive_number() { return above("POSITIVE", "a number above 0", false); }
 CLI::Validator non_negative_number() { return above("NONNEGATIVE", "0 or a number above", true); }
 
+double parse_time(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, value);
+  const std::string unit(at, end);
+  const bool known = error == std::errc() && (unit == "s" || unit == "ms");
+  LTE_CHECK(known && std::isfinite(value) && value > 0, "\"", text,
+            "\": expected a time such as 0.5s or 200ms");
+  return unit == "s" ? value : value / 1000;
+}
+
+CLI::Validator a_time() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        try {
+          parse_time(text);
+          return std::string();
+        } catch (const Error& error) {
+          return std::string(error.what());
+        }
+      },
+      "TIME");
+}
+
 }  // namespace lte

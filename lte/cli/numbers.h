@@ -1,6 +1,8 @@
 // What a number on the command line must be, whichever flag takes it.
 #pragma once
 
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 namespace lte {
@@ -13,5 +15,10 @@ void guard_numbers(CLI::App* app);
 /// For check(): a number above 0; one of 0 or above. CLI11's own name the largest double in full.
 CLI::Validator positive_number();
 CLI::Validator non_negative_number();
+
+/// "0.5s" -> 0.5, "200ms" -> 0.2. @throws lte::Error for anything else.
+double parse_time(const std::string& text);
+/// For check(): what parse_time() reads.
+CLI::Validator a_time();
 
 }  // namespace lte

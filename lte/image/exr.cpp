@@ -19,6 +19,7 @@
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include "lte/base/file.h"
+#include "lte/base/half.h"
 
 namespace lte::image {
 namespace {
@@ -117,14 +118,23 @@ std::string layer_list(const Imf::ChannelList& channels) {
 }
 
 /// A slice per channel into interleaved pixels, so that neither direction copies.
-void add_slices(const std::vector<std::string>& names, const Imath::Box2i& window, float* pixels,
-                Imf::FrameBuffer* buffer) {
-  const size_t stride = names.size() * sizeof(float);
+void add_slices(const std::vector<std::string>& names, const Imath::Box2i& window,
+                Imf::PixelType type, char* pixels, Imf::FrameBuffer* buffer) {
+  const size_t size = type == Imf::HALF ? sizeof(Half) : sizeof(float);
+  const size_t stride = names.size() * size;
   const auto width = static_cast<size_t>(window.max.x - window.min.x + 1);
   for (size_t i = 0; i < names.size(); ++i) {
     buffer->insert(names[i],
-                   Imf::Slice::Make(Imf::FLOAT, pixels + i, window, stride, stride * width));
+                   Imf::Slice::Make(type, pixels + i * size, window, stride, stride * width));
   }
+}
+
+std::vector<Half> to_halves(const Image& image) {
+  std::vector<Half> out;
+  out.reserve(image.pixels.size());
+  for (const float value : image.pixels)
+    out.push_back(to_half(std::clamp(value, -kMaxHalf, kMaxHalf)));
+  return out;
 }
 
 void check_layers(const std::string& path, const std::vector<Layer>& layers) {
@@ -187,7 +197,7 @@ Image read_layer(const std::string& path, Imf::IStream& stream, const std::strin
   const size_t row = static_cast<size_t>(width) * names.size();
   image.pixels.reserve(row * static_cast<size_t>(height));
   Imf::FrameBuffer buffer;
-  add_slices(names, window, image.pixels.data(), &buffer);
+  add_slices(names, window, Imf::FLOAT, reinterpret_cast<char*>(image.pixels.data()), &buffer);
   file.setFrameBuffer(buffer);
   // Strip by strip, so that a small file with a large header fails before the memory is touched.
   for (int64_t begin = 0; begin < height; begin += kStrip) {
@@ -202,18 +212,25 @@ Image read_layer(const std::string& path, Imf::IStream& stream, const std::strin
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers,
-               const ExrTexts& texts) {
+               const ExrTexts& texts, ExrChannels channels) {
   check_layers(path.string(), layers);
   const Image& first = *layers.front().image;
   Imf::Header header(first.width, first.height);
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const auto& [name, text] : texts) header.insert(name, Imf::StringAttribute(text));
+  const bool half = channels == ExrChannels::Half;
   Imf::FrameBuffer buffer;
+  std::vector<std::vector<Half>> halves;
   for (const Layer& layer : layers) {
     const std::vector<std::string> names = channel_names(layer.name, layer.image->channels);
-    for (const std::string& name : names) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    for (const std::string& name : names)
+      header.channels().insert(name, Imf::Channel(half ? Imf::HALF : Imf::FLOAT));
+    if (half) halves.push_back(to_halves(*layer.image));
     // OpenEXR's slices point to mutable memory in both directions; writing only reads it.
-    add_slices(names, header.dataWindow(), const_cast<float*>(layer.image->pixels.data()), &buffer);
+    void* const pixels = half ? static_cast<void*>(halves.back().data())
+                              : const_cast<float*>(layer.image->pixels.data());
+    add_slices(names, header.dataWindow(), half ? Imf::HALF : Imf::FLOAT,
+               static_cast<char*>(pixels), &buffer);
   }
   MemoryOutput memory(path.string());
   try {

@@ -24,11 +24,14 @@ struct Layer {
 /// Texts in the header of a file, by attribute name.
 using ExrTexts = std::map<std::string, std::string>;
 
-/// Writes float32 channels with ZIP compression, atomically.
+/// How channels are kept. Half holds values beyond its range to its range.
+enum class ExrChannels { Float, Half };
+
+/// Writes channels with ZIP compression, atomically.
 /// @throws lte::Error if sizes differ, a layer has neither 1 nor 3 channels, or the file cannot be
 /// written.
 void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers,
-               const ExrTexts& texts = {});
+               const ExrTexts& texts = {}, ExrChannels channels = ExrChannels::Float);
 
 /// Reads the channels of one layer (empty name: R, G, B or Y) into an image of 3 or 1 channels.
 /// @throws lte::Error naming the file if it is not EXR, or naming the layers it has.

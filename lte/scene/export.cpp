@@ -66,7 +66,7 @@ class Exporter {
  public:
   explicit Exporter(const Scene& scene) : scene_(scene) {}
 
-  void write(const std::filesystem::path& path) {
+  void write(const std::filesystem::path& path, const std::function<void(GlbWriter&)>& change) {
     json()["asset"] = {{"version", "2.0"}, {"generator", "lte"}};
     json()["extensionsUsed"] = Json::array();
     add_images();
@@ -80,6 +80,7 @@ class Exporter {
     for (size_t i = 0; i < json()["nodes"].size(); ++i) roots.push_back(i);
     json()["scenes"] = {{{"name", scene_.name}, {"nodes", std::move(roots)}}};
     json()["scene"] = 0;
+    if (change) change(writer_);
     writer_.write(path);
   }
 
@@ -244,8 +245,13 @@ class Exporter {
 }  // namespace
 
 void write_glb(const std::filesystem::path& path, const Scene& scene) {
+  write_glb(path, scene, {});
+}
+
+void write_glb(const std::filesystem::path& path, const Scene& scene,
+               const std::function<void(GlbWriter&)>& change) {
   try {
-    Exporter(scene).write(path);
+    Exporter(scene).write(path, change);
   } catch (const Json::exception& error) {  // a name that is not UTF-8
     throw Error(concat(path.string(), ": cannot be written as JSON: ", error.what()));
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "lte/scene/scene.h"
 
@@ -11,5 +12,11 @@ namespace lte::scene {
 /// PNG, emission with KHR_materials_emissive_strength, punctual lights, cameras. Atomic.
 /// load_scene() of the file gives the same scene, but for its environment: glTF has none.
 void write_glb(const std::filesystem::path& path, const Scene& scene);
+
+class GlbWriter;
+/// The same with a last change to the document: extensions that a scene has no place for. Image i is
+/// texture i of the scene, material i its material i.
+void write_glb(const std::filesystem::path& path, const Scene& scene,
+               const std::function<void(GlbWriter&)>& change);
 
 }  // namespace lte::scene

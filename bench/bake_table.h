@@ -1,0 +1,28 @@
+// lte_bench bake: seconds against error of light maps, by lte_bake's estimator and by what else
+// could bake them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lte/cli/cli.h"
+#include "lte/cli/scene_flags.h"
+
+namespace lte::bench {
+
+struct BakeTableRequest {
+  std::vector<std::string> scenes;
+  int size = 600;       ///< edge of the atlas, some 70 % of which are texels
+  int measured = 5000;  ///< texels that a reference knows
+  int reference_paths = 2048;
+  std::string checkpoint;  ///< of the row "network"; empty: the shipped model
+  uint64_t seed = 1;
+  SceneFlags loading;
+};
+
+void add_bake_table_options(CLI::App& command, BakeTableRequest* request);
+
+/// Prints a table a scene, and writes JSON where it is asked for.
+void run_bake_table(const BakeTableRequest& request, const CommonOptions& common);
+
+}  // namespace lte::bench

@@ -1,0 +1,20 @@
+// The light of a bake's layers.
+#pragma once
+
+#include <vector>
+
+#include "infer/bake/bake_command.h"
+#include "infer/renderer/renderer.h"
+#include "lte/bake/bake.h"
+
+namespace lte::infer {
+
+/// One layer of all light, or with --by-light one a light group.
+/// @param network  that fills caches; null: paths trace them
+/// @param seconds  since the work began, of which --time leaves the rest
+std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
+                                          const runtime::Network* network,
+                                          const EmbedSettings& settings, const bake::Layout& layout,
+                                          double seconds, Renderer* renderer);
+
+}  // namespace lte::infer

@@ -1,0 +1,96 @@
+#include "lte/bake/estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "lte/base/parallel.h"
+
+namespace lte::bake {
+namespace {
+
+/// Rounds of means over neighbours, wide to narrow; 0 is the texel alone.
+constexpr std::array<int, 5> kRounds = {24, 10, 4, 1, 0};
+/// Of the texels over which weights are estimated.
+constexpr int kWeightRounds = 6;
+/// Of the mean: what is darker counts like that where errors are compared.
+constexpr float kDark = 0.1f;
+constexpr int64_t kTexelGrain = 8192;
+
+void for_texels(size_t count, const std::function<void(size_t)>& use) {
+  parallel_for(static_cast<int64_t>(count), kTexelGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) use(static_cast<size_t>(i));
+  });
+}
+
+float mean_luminance(const Halves& halves) {
+  double sum = 0;
+  for (const auto& half : halves)
+    for (const Rgb& value : half) sum += double{luminance(value)};
+  return static_cast<float>(sum / std::max<double>(1, 2 * static_cast<double>(halves[0].size())));
+}
+
+/// Draws `estimate` towards `narrow`, of which each half comes from the same half of `samples`.
+void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& samples,
+                  Halves* estimate) {
+  const size_t count = samples[0].size();
+  const float dark = kDark * mean_luminance(*estimate) + 1e-30f;
+  std::vector<Rgb> sums(count);  // along, square, nothing
+  for_texels(count, [&](size_t i) {
+    const float level = 0.5f * (luminance((*estimate)[0][i]) + luminance((*estimate)[1][i])) + dark;
+    for (size_t h = 0; h < 2; ++h) {
+      const Rgb& from = (*estimate)[h][i];
+      const Rgb way = (narrow[h][i] - from) / level;
+      sums[i].x += dot(way, (samples[1 - h][i] - from) / level);
+      sums[i].y += dot(way, way);
+    }
+  });
+  sums = graph.spread(std::move(sums), kWeightRounds);
+  for_texels(count, [&](size_t i) {
+    if (!(sums[i].y > 0)) return;
+    const float share = std::clamp(sums[i].x / sums[i].y, 0.0f, 1.0f);
+    for (size_t h = 0; h < 2; ++h) {
+      Rgb& value = (*estimate)[h][i];
+      value = max(Rgb{}, value + share * (narrow[h][i] - value));
+    }
+  });
+}
+
+/// Means of the samples over kRounds.
+std::array<Halves, kRounds.size()> all_means(const TexelGraph& graph, const Halves& samples) {
+  std::array<Halves, kRounds.size()> out;
+  for (size_t h = 0; h < 2; ++h) {
+    out.back()[h] = samples[h];
+    for (size_t k = kRounds.size() - 1; k-- > 0;)
+      out[k][h] = graph.spread(out[k + 1][h], kRounds[k] - kRounds[k + 1]);
+  }
+  return out;
+}
+
+}  // namespace
+
+Halves smooth(const TexelGraph& graph, const Halves& samples) {
+  std::array<Halves, kRounds.size()> means = all_means(graph, samples);
+  Halves out = std::move(means[0]);
+  for (size_t k = 1; k < means.size(); ++k) draw_towards(graph, means[k], samples, &out);
+  return out;
+}
+
+Halves correct(const TexelGraph& graph, Halves estimate, const Halves& samples) {
+  for (const Halves& mean : all_means(graph, samples))
+    draw_towards(graph, mean, samples, &estimate);
+  return estimate;
+}
+
+double relative_error(const Halves& estimate) {
+  double square = 0, light = 0;
+  for (size_t i = 0; i < estimate[0].size(); ++i) {
+    const double a = double{luminance(estimate[0][i])}, b = double{luminance(estimate[1][i])};
+    square += (a - b) * (a - b) / 4;
+    light += (a + b) * (a + b) / 4;
+  }
+  return light > 0 ? std::sqrt(square / light) : 0;
+}
+
+}  // namespace lte::bake

@@ -1,0 +1,56 @@
+// Light at texels: which side of each chart it reaches, where it reaches at all, and how much.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "lte/bake/estimate.h"
+#include "lte/bake/texels.h"
+#include "lte/render/integrator.h"
+
+namespace lte::bake {
+
+/// What samples are drawn. Passes alternate between two halves.
+struct LightOptions {
+  bool direct = false;    ///< beside indirect light
+  int passes = 8;         ///< by the integrator; at least 2
+  int rays = 4;           ///< a texel and pass
+  int light_samples = 4;  ///< a texel and pass
+  int path_passes = 0;    ///< of one path a texel, which correct what was gathered; even
+  int max_depth = 5;
+  double seconds = INFINITY;  ///< passes after the first two end by then
+  double error = 0;           ///< passes end at this relative_error() of indirect light; 0: none
+  uint64_t seed = 0;
+  /// [charts] the sides to bake, TexelLight::back of another bake; null: those that light reaches.
+  const std::vector<uint8_t>* back = nullptr;
+  std::function<void(double share)> progress;  ///< of the work, [0, 1]; may be empty
+};
+
+struct TexelLight {
+  std::vector<Rgb> irradiance;  ///< [texels] W/m², 0 where dark
+  std::vector<uint8_t> dark;    ///< [texels] 1 where no light reaches
+  std::vector<uint8_t> back;    ///< [charts] 1: light of the back
+  int64_t two_sided = 0;        ///< texels lit on both sides, of which the brighter was taken
+  double expected_error = 0;    ///< Provenance::expected_error
+  int passes = 0, path_passes = 0;
+};
+
+/// Light at texels of an atlas of the scene. The integrator has been prepared.
+/// @throws lte::Error if an option is out of range
+TexelLight light_texels(const render::TracedScene& scene, const render::Integrator& integrator,
+                        const Atlas& atlas, const Texels& texels, const LightOptions& options);
+
+/// Indirect light of some texels by plain paths at places all over them, without smoothing: what a
+/// bake is measured against. Texels of `which` ascend.
+/// @param back  TexelLight::back
+/// @return  [which] W/m²
+std::vector<Rgb> trace_texels(const render::TracedScene& scene, const Atlas& atlas,
+                              const Texels& texels, const std::vector<uint8_t>& back,
+                              std::span<const uint32_t> which, const LightOptions& options);
+
+/// Normals of the sides that were baked.
+std::vector<Vec3> turned_normals(const Texels& texels, const std::vector<uint8_t>& back);
+
+}  // namespace lte::bake

@@ -1,0 +1,198 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <tuple>
+
+#include "lte/bake/finish.h"
+#include "lte/base/random.h"
+
+namespace lte::bake {
+namespace {
+
+/// Cosine between normals beyond which light has no reason to be the same on both sides.
+constexpr float kSmoothEdge = 0.9f;
+/// Weights of least squares: of a seam, of a lit texel's own value, of a filled one's.
+constexpr double kSeam = 5, kOwn = 1, kFilledOwn = 0.1;
+constexpr int kIterations = 60;
+
+using Corner = std::tuple<float, float, float>;
+Corner key(const Vec3& p) { return {p.x, p.y, p.z}; }
+
+struct Side {
+  size_t triangle = 0;
+  Vec2 a, b;  ///< uv at the ends
+  Vec3 normal;
+};
+
+struct Pixels {
+  int width, height;
+  const std::vector<uint8_t>& mask;
+
+  /// Adds a bilinear look-up. @return whether all of its pixels have light
+  bool add(const Vec2& uv, float sign, size_t at, SeamPlace* out) const {
+    const float x = uv.x * static_cast<float>(width) - 0.5f;
+    const float y = uv.y * static_cast<float>(height) - 0.5f;
+    const float fx = x - std::floor(x), fy = y - std::floor(y);
+    for (int k = 0; k < 4; ++k) {
+      const int px = std::clamp(static_cast<int>(std::floor(x)) + (k & 1), 0, width - 1);
+      const int py = std::clamp(static_cast<int>(std::floor(y)) + (k >> 1), 0, height - 1);
+      const uint32_t pixel =
+          static_cast<uint32_t>(py) * static_cast<uint32_t>(width) + static_cast<uint32_t>(px);
+      const auto texel = static_cast<Texel>(mask[pixel]);
+      if (texel != Texel::Lit && texel != Texel::Filled) return false;
+      out->pixel[at + static_cast<size_t>(k)] = pixel;
+      out->weight[at + static_cast<size_t>(k)] =
+          sign * ((k & 1) != 0 ? fx : 1 - fx) * ((k >> 1) != 0 ? fy : 1 - fy);
+    }
+    return true;
+  }
+};
+
+void add_seam(const Pixels& pixels, const Side& one, const Side& other,
+              std::vector<SeamPlace>* out) {
+  if (dot(one.normal, other.normal) < kSmoothEdge) return;
+  const bool same =
+      one.a.x == other.a.x && one.a.y == other.a.y && one.b.x == other.b.x && one.b.y == other.b.y;
+  if (same) return;
+  const auto long_in = [&](const Side& s) {
+    return std::hypot((s.b.x - s.a.x) * static_cast<float>(pixels.width),
+                      (s.b.y - s.a.y) * static_cast<float>(pixels.height));
+  };
+  const int count =
+      std::max(2, static_cast<int>(std::ceil(2 * std::max(long_in(one), long_in(other)))));
+  for (int k = 0; k <= count; ++k) {
+    const float t = static_cast<float>(k) / static_cast<float>(count);
+    const auto at = [&](const Side& s) {
+      return Vec2{s.a.x + t * (s.b.x - s.a.x), s.a.y + t * (s.b.y - s.a.y)};
+    };
+    SeamPlace place;
+    if (pixels.add(at(one), 1, 0, &place) && pixels.add(at(other), -1, 4, &place))
+      out->push_back(place);
+  }
+}
+
+/// The normal equations of least squares over the pixels that seams read.
+struct System {
+  std::vector<uint32_t> pixel;                  ///< unknowns
+  std::vector<std::array<uint32_t, 8>> column;  ///< of a seam's weights
+  const std::vector<SeamPlace>& seams;
+  std::vector<double> own;
+
+  std::vector<double> times(const std::vector<double>& x) const {
+    std::vector<double> out(x.size());
+    for (size_t i = 0; i < x.size(); ++i) out[i] = own[i] * x[i];
+    for (size_t s = 0; s < seams.size(); ++s) {
+      double difference = 0;
+      for (size_t k = 0; k < 8; ++k) difference += double{seams[s].weight[k]} * x[column[s][k]];
+      for (size_t k = 0; k < 8; ++k)
+        out[column[s][k]] += kSeam * double{seams[s].weight[k]} * difference;
+    }
+    return out;
+  }
+};
+
+double product(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+/// Conjugate gradients from `x`, which becomes the solution.
+void solve(const System& system, const std::vector<double>& right, std::vector<double>* x) {
+  std::vector<double> residual = system.times(*x);
+  for (size_t i = 0; i < residual.size(); ++i) residual[i] = right[i] - residual[i];
+  std::vector<double> direction = residual;
+  double square = product(residual, residual);
+  const double least = 1e-10 * product(right, right);
+  for (int k = 0; k < kIterations && square > least; ++k) {
+    const std::vector<double> image = system.times(direction);
+    const double step = square / product(direction, image);
+    for (size_t i = 0; i < x->size(); ++i) {
+      (*x)[i] += step * direction[i];
+      residual[i] -= step * image[i];
+    }
+    const double before = square;
+    square = product(residual, residual);
+    for (size_t i = 0; i < x->size(); ++i)
+      direction[i] = residual[i] + square / before * direction[i];
+  }
+}
+
+}  // namespace
+
+std::vector<SeamPlace> find_seams(const Atlas& atlas, const std::vector<uint8_t>& mask) {
+  const Pixels pixels{atlas.width, atlas.height, mask};
+  std::vector<SeamPlace> out;
+  for (size_t i = 0; i < atlas.scene.meshes.size(); ++i) {
+    const scene::Mesh& mesh = atlas.scene.meshes[i];
+    std::map<std::pair<Corner, Corner>, std::vector<Side>> edges;
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (atlas.chart[i][t] == scene::kNone) continue;
+      const auto& corner = mesh.triangles[t];
+      const Vec3 normal = normalize(cross(mesh.positions[corner[1]] - mesh.positions[corner[0]],
+                                          mesh.positions[corner[2]] - mesh.positions[corner[0]]));
+      for (size_t k = 0; k < 3; ++k) {
+        uint32_t a = corner[k], b = corner[(k + 1) % 3];
+        if (key(mesh.positions[b]) < key(mesh.positions[a])) std::swap(a, b);
+        edges[{key(mesh.positions[a]), key(mesh.positions[b])}].push_back(
+            {t, mesh.uvs[1][a], mesh.uvs[1][b], normal});
+      }
+    }
+    for (const auto& [ends, sides] : edges)
+      if (sides.size() == 2) add_seam(pixels, sides[0], sides[1], &out);
+  }
+  return out;
+}
+
+void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>& mask,
+                std::vector<float>* irradiance) {
+  if (seams.empty()) return;
+  System system{{}, {}, seams, {}};
+  std::vector<uint32_t> number(mask.size(), ~0u);
+  for (const SeamPlace& place : seams) {
+    std::array<uint32_t, 8>& column = system.column.emplace_back();
+    for (size_t k = 0; k < 8; ++k) {
+      uint32_t& at = number[place.pixel[k]];
+      if (at == ~0u) {
+        at = static_cast<uint32_t>(system.pixel.size());
+        system.pixel.push_back(place.pixel[k]);
+        system.own.push_back(static_cast<Texel>(mask[place.pixel[k]]) == Texel::Lit ? kOwn
+                                                                                    : kFilledOwn);
+      }
+      column[k] = at;
+    }
+  }
+  for (size_t c = 0; c < 3; ++c) {
+    std::vector<double> x(system.pixel.size()), right(x.size());
+    for (size_t i = 0; i < x.size(); ++i) {
+      x[i] = double{(*irradiance)[3 * system.pixel[i] + c]};
+      right[i] = system.own[i] * x[i];
+    }
+    solve(system, right, &x);
+    for (size_t i = 0; i < x.size(); ++i)
+      (*irradiance)[3 * system.pixel[i] + c] = static_cast<float>(std::max(0.0, x[i]));
+  }
+}
+
+double seam_difference(const std::vector<SeamPlace>& seams, const std::vector<float>& irradiance,
+                       double share) {
+  std::vector<double> out;
+  for (const SeamPlace& place : seams) {
+    double difference = 0, light = 0;
+    for (size_t k = 0; k < 8; ++k) {
+      const size_t at = 3 * size_t{place.pixel[k]};
+      const double value = 0.2126 * double{irradiance[at]} + 0.7152 * double{irradiance[at + 1]} +
+                           0.0722 * double{irradiance[at + 2]};
+      difference += double{place.weight[k]} * value;
+      light += std::abs(double{place.weight[k]}) * value / 2;
+    }
+    out.push_back(light > 0 ? std::abs(difference) / light : 0);
+  }
+  if (out.empty()) return 0;
+  const auto at = static_cast<size_t>(share * static_cast<double>(out.size() - 1));
+  std::nth_element(out.begin(), out.begin() + static_cast<int64_t>(at), out.end());
+  return out[at];
+}
+
+}  // namespace lte::bake

@@ -1,0 +1,228 @@
+#include "lte/bake/texels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/scene/surface.h"
+#include "lte/scene/triangle.h"
+
+namespace lte::bake {
+namespace {
+
+/// Smaller parts of a texel are rounding.
+constexpr float kLeastArea = 1e-5f;
+
+/// A convex polygon: a triangle cut by a square has 7 corners at most.
+struct Polygon {
+  std::array<Vec2, 10> corner;
+  size_t size = 0;
+
+  void add(const Vec2& p) { corner[size++] = p; }
+  float twice_area() const {
+    float sum = 0;
+    for (size_t k = 0; k < size; ++k) {
+      const Vec2 &a = corner[k], &b = corner[(k + 1) % size];
+      sum += (a.x - corner[0].x) * (b.y - corner[0].y) - (a.y - corner[0].y) * (b.x - corner[0].x);
+    }
+    return std::abs(sum);
+  }
+};
+
+/// The part of a polygon where sign * (coordinate - bound) <= 0.
+Polygon cut(const Polygon& from, bool vertical, float sign, float bound) {
+  Polygon out;
+  const auto beyond = [&](const Vec2& p) { return sign * ((vertical ? p.y : p.x) - bound); };
+  for (size_t k = 0; k < from.size; ++k) {
+    const Vec2 &a = from.corner[k], &b = from.corner[(k + 1) % from.size];
+    const float da = beyond(a), db = beyond(b);
+    if (da <= 0) out.add(a);
+    if ((da < 0 && db > 0) || (da > 0 && db < 0)) {
+      const float t = da / (da - db);
+      out.add({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+    }
+  }
+  return out;
+}
+
+/// A triangle in pixels of the atlas.
+std::array<Vec2, 3> in_pixels(const Atlas& atlas, size_t instance, size_t triangle) {
+  const scene::Mesh& mesh = atlas.scene.meshes[instance];
+  std::array<Vec2, 3> out;
+  for (size_t k = 0; k < 3; ++k) {
+    const Vec2& uv = mesh.uvs[1][mesh.triangles[triangle][k]];
+    out[k] = {uv.x * static_cast<float>(atlas.width), uv.y * static_cast<float>(atlas.height)};
+  }
+  return out;
+}
+
+/// The part of a triangle inside a pixel, relative to the pixel's corner.
+Polygon part_in(const std::array<Vec2, 3>& uv, int x, int y) {
+  Polygon polygon;
+  for (const Vec2& p : uv) polygon.add({p.x - static_cast<float>(x), p.y - static_cast<float>(y)});
+  for (const bool vertical : {false, true}) {
+    polygon = cut(polygon, vertical, 1, 1);
+    polygon = cut(polygon, vertical, -1, 0);
+  }
+  return polygon;
+}
+
+struct PixelFragment {
+  uint32_t pixel;
+  int32_t chart;
+  Fragment fragment;
+};
+
+void rasterize(const Atlas& atlas, size_t instance, size_t triangle,
+               std::vector<PixelFragment>* out) {
+  const std::array<Vec2, 3> uv = in_pixels(atlas, instance, triangle);
+  const auto range = [](float a, float b, float c, int size) {
+    return std::pair{std::clamp(static_cast<int>(std::floor(std::min({a, b, c}))), 0, size - 1),
+                     std::clamp(static_cast<int>(std::floor(std::max({a, b, c}))), 0, size - 1)};
+  };
+  const auto [x0, x1] = range(uv[0].x, uv[1].x, uv[2].x, atlas.width);
+  const auto [y0, y1] = range(uv[0].y, uv[1].y, uv[2].y, atlas.height);
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const Polygon part = part_in(uv, x, y);
+      const float area = part.size < 3 ? 0 : 0.5f * part.twice_area();
+      if (area < kLeastArea) continue;
+      out->push_back(
+          {static_cast<uint32_t>(y) * static_cast<uint32_t>(atlas.width) + static_cast<uint32_t>(x),
+           atlas.chart[instance][triangle],
+           {static_cast<int32_t>(instance), static_cast<uint32_t>(triangle), area}});
+    }
+  }
+}
+
+/// A number by which pixels stand in blocks of 8 x 8.
+uint64_t block_order(uint32_t pixel, uint32_t width) {
+  const uint32_t x = pixel % width, y = pixel / width;
+  return ((uint64_t{y / 8} * ((width + 7) / 8) + x / 8) << 6) | ((y % 8) * 8 + x % 8);
+}
+
+/// The fragments of one pixel: where charts meet in it, those of the chart with the most area.
+void add_texel(const Atlas& atlas, std::span<const PixelFragment> all, Texels* out) {
+  int32_t chart = scene::kNone;
+  float most = -1;
+  for (size_t k = 0; k < all.size(); ++k) {
+    float area = 0;
+    for (const PixelFragment& other : all)
+      if (other.chart == all[k].chart) area += other.fragment.area;
+    if (area > most) {
+      most = area;
+      chart = all[k].chart;
+    }
+  }
+  Vec3 position, normal;
+  double world = 0, texels = 0;
+  for (const PixelFragment& each : all) {
+    if (each.chart != chart) continue;
+    const Fragment& f = each.fragment;
+    out->fragments.push_back(f);
+    const auto i = static_cast<size_t>(f.instance);
+    const std::array<Vec2, 3> uv = in_pixels(atlas, i, f.triangle);
+    const int x = static_cast<int>(each.pixel % static_cast<uint32_t>(atlas.width));
+    const int y = static_cast<int>(each.pixel / static_cast<uint32_t>(atlas.width));
+    const Polygon part = part_in(uv, x, y);
+    Vec2 center;
+    for (size_t k = 0; k < part.size; ++k) {
+      center.x += part.corner[k].x / static_cast<float>(part.size);
+      center.y += part.corner[k].y / static_cast<float>(part.size);
+    }
+    const float ax = uv[1].x - uv[0].x, ay = uv[1].y - uv[0].y, bx = uv[2].x - uv[0].x,
+                by = uv[2].y - uv[0].y;
+    const float twice = ax * by - ay * bx;
+    const float px = center.x + static_cast<float>(x) - uv[0].x,
+                py = center.y + static_cast<float>(y) - uv[0].y;
+    const scene::Surface surface = scene::evaluate_surface(
+        atlas.scene, f.instance, f.triangle, std::clamp((px * by - py * bx) / twice, 0.0f, 1.0f),
+        std::clamp((ax * py - ay * px) / twice, 0.0f, 1.0f), 0);
+    position += surface.position * f.area;
+    normal += surface.normal * f.area;
+    const scene::Instance& instance = atlas.scene.instances[i];
+    world +=
+        double{f.area} *
+        scene::area(scene::world_triangle(atlas.scene.meshes[i], instance.to_world, f.triangle)) /
+        (0.5 * std::abs(double{twice}));
+    texels += double{f.area};
+  }
+  out->pixel.push_back(all.front().pixel);
+  out->chart.push_back(chart);
+  out->position.push_back(position / static_cast<float>(texels));
+  out->normal.push_back(normalize(normal));
+  out->edge.push_back(static_cast<float>(std::sqrt(world / texels)));
+  out->first.push_back(static_cast<uint32_t>(out->fragments.size()));
+}
+
+}  // namespace
+
+Texels find_texels(const Atlas& atlas) {
+  std::vector<PixelFragment> all;
+  for (size_t i = 0; i < atlas.scene.instances.size(); ++i) {
+    for (size_t t = 0; t < atlas.scene.meshes[i].triangles.size(); ++t)
+      if (atlas.chart[i][t] != scene::kNone) rasterize(atlas, i, t, &all);
+  }
+  LTE_CHECK(!all.empty(), "no triangle touches a texel of the atlas");
+  const auto width = static_cast<uint32_t>(atlas.width);
+  std::stable_sort(all.begin(), all.end(), [&](const PixelFragment& a, const PixelFragment& b) {
+    return block_order(a.pixel, width) < block_order(b.pixel, width);
+  });
+  Texels out;
+  out.first.push_back(0);
+  for (size_t begin = 0; begin < all.size();) {
+    size_t end = begin + 1;
+    while (end < all.size() && all[end].pixel == all[begin].pixel) ++end;
+    add_texel(atlas, std::span(all).subspan(begin, end - begin), &out);
+    begin = end;
+  }
+  return out;
+}
+
+TexelPlace place_in(const Atlas& atlas, const Texels& texels, size_t texel,
+                    const std::array<float, 3>& u) {
+  const auto parts =
+      std::span(texels.fragments)
+          .subspan(texels.first[texel], texels.first[texel + 1] - texels.first[texel]);
+  float sum = 0;
+  for (const Fragment& f : parts) sum += f.area;
+  float left = u[0] * sum;
+  size_t chosen = 0;
+  while (chosen + 1 < parts.size() && left >= parts[chosen].area) left -= parts[chosen++].area;
+  const Fragment& f = parts[chosen];
+  const std::array<Vec2, 3> uv = in_pixels(atlas, static_cast<size_t>(f.instance), f.triangle);
+  const int x = static_cast<int>(texels.pixel[texel] % static_cast<uint32_t>(atlas.width));
+  const int y = static_cast<int>(texels.pixel[texel] / static_cast<uint32_t>(atlas.width));
+  const Polygon part = part_in(uv, x, y);
+  // A triangle of the fan around the first corner, by area, and a place in it.
+  const auto fan = [&](size_t k) {
+    const Vec2 &o = part.corner[0], &a = part.corner[k], &b = part.corner[k + 1];
+    return std::abs((a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x));
+  };
+  float rest = u[1] * part.twice_area();
+  size_t k = 1;
+  while (k + 2 < part.size && rest >= fan(k)) rest -= fan(k++);
+  const float along = fan(k) > 0 ? std::clamp(rest / fan(k), 0.0f, 1.0f) : 0.5f;
+  const float root = std::sqrt(along), b1 = root * (1 - u[2]), b2 = root * u[2];
+  const Vec2 &o = part.corner[0], &a = part.corner[k], &b = part.corner[k + 1];
+  const float px = o.x + b1 * (a.x - o.x) + b2 * (b.x - o.x) + static_cast<float>(x) - uv[0].x;
+  const float py = o.y + b1 * (a.y - o.y) + b2 * (b.y - o.y) + static_cast<float>(y) - uv[0].y;
+  const float ax = uv[1].x - uv[0].x, ay = uv[1].y - uv[0].y, bx = uv[2].x - uv[0].x,
+              by = uv[2].y - uv[0].y;
+  const float twice = ax * by - ay * bx;
+  float s = std::clamp((px * by - py * bx) / twice, 0.0f, 1.0f);
+  float t = std::clamp((ax * py - ay * px) / twice, 0.0f, 1.0f);
+  if (s + t > 1) {
+    const float scale = 1 / (s + t);
+    s *= scale;
+    t *= scale;
+  }
+  const scene::Surface surface =
+      scene::evaluate_surface(atlas.scene, f.instance, f.triangle, s, t, 0);
+  return {surface.position, surface.normal};
+}
+
+}  // namespace lte::bake

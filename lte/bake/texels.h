@@ -1,0 +1,45 @@
+// The texels of an atlas: what part of which triangles lies in each.
+//
+// Every texel that a triangle touches counts (conservative rasterization), since bilinear look-ups
+// read it. Its light is that of the part inside the triangle, never of a place beyond an edge.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lte/bake/atlas.h"
+#include "lte/base/math.h"
+
+namespace lte::bake {
+
+/// A triangle's part of a texel.
+struct Fragment {
+  int32_t instance = 0;
+  uint32_t triangle = 0;
+  float area = 0;  ///< of a texel, (0, 1]
+};
+
+/// Texels that charts cover, in the order of blocks of 8 x 8 pixels: neighbours have neighbouring
+/// numbers. Every array has an entry a texel, but `fragments`.
+struct Texels {
+  std::vector<uint32_t> pixel;  ///< y * width + x
+  std::vector<uint32_t> first;  ///< [texels + 1]: its first fragment, and their end
+  std::vector<Fragment> fragments;
+  std::vector<int32_t> chart;
+  std::vector<Vec3> position, normal;  ///< means over the fragments: world, unit, front side
+  std::vector<float> edge;             ///< metres that a texel is wide there
+
+  size_t size() const { return pixel.size(); }
+};
+
+/// @throws lte::Error where no triangle touches a texel
+Texels find_texels(const Atlas& atlas);
+
+/// A place inside each texel's part of its triangles, by area. `u` [3] in [0, 1) chooses it.
+struct TexelPlace {
+  Vec3 position, normal;  ///< world, unit, front side
+};
+TexelPlace place_in(const Atlas& atlas, const Texels& texels, size_t texel,
+                    const std::array<float, 3>& u);
+
+}  // namespace lte::bake

@@ -1,0 +1,376 @@
+// Light maps: the atlas, its texels, and the light on them against what is known of it.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "lte/bake/bake.h"
+#include "lte/bake/light_group.h"
+#include "lte/image/exr.h"
+#include "lte/pathtrace/irradiance.h"
+#include "lte/scene/load.h"
+#include "lte/scene/surface.h"
+#include "lte/scene/triangle.h"
+#include "tests/support/closed_forms.h"
+#include "tests/support/message_of.h"
+#include "tests/support/scenes.h"
+#include "tests/support/temp_dir.h"
+
+namespace lte::bake {
+namespace {
+
+struct Traced {
+  explicit Traced(const scene::Scene& scene) : bvh(scene), lights(scene) {}
+  render::TracedScene get() const { return {bvh, lights}; }
+  pathtrace::Bvh bvh;
+  pathtrace::Lights lights;
+};
+
+AtlasOptions density(double texels_per_metre) {
+  AtlasOptions out;
+  out.texels_per_metre = texels_per_metre;
+  return out;
+}
+
+TexelLight path_light(const Traced& traced, const Layout& layout, int passes, int rays) {
+  const auto path = render::make_path(traced.get(), 5);
+  LightOptions options;
+  options.direct = true;
+  options.passes = passes;
+  options.rays = options.light_samples = rays;
+  options.seed = 3;
+  return light_texels(traced.get(), *path, layout.atlas, layout.texels, options);
+}
+
+/// Whether a point of the atlas, in pixels, lies inside a triangle, by signs of areas.
+bool inside(const Atlas& atlas, size_t instance, size_t triangle, double x, double y) {
+  const scene::Mesh& mesh = atlas.scene.meshes[instance];
+  double signs[3];
+  for (size_t k = 0; k < 3; ++k) {
+    const Vec2& a = mesh.uvs[1][mesh.triangles[triangle][k]];
+    const Vec2& b = mesh.uvs[1][mesh.triangles[triangle][(k + 1) % 3]];
+    const double ax = double{a.x} * atlas.width, ay = double{a.y} * atlas.height;
+    const double bx = double{b.x} * atlas.width, by = double{b.y} * atlas.height;
+    signs[k] = (bx - ax) * (y - ay) - (by - ay) * (x - ax);
+  }
+  constexpr double kEdge = 1e-3;
+  return (signs[0] > kEdge && signs[1] > kEdge && signs[2] > kEdge) ||
+         (signs[0] < -kEdge && signs[1] < -kEdge && signs[2] < -kEdge);
+}
+
+TEST(Atlas, GivesNoPixelToTwoTriangles) {
+  scene::Scene scene = test::furnished_room();
+  test::add_instance(&scene, test::inward_sphere_mesh(0.3f, 2, 0), test::translation({2, 1, 1}));
+  const Atlas atlas = make_atlas(scene, density(12));
+  int64_t covered = 0;
+  for (int y = 0; y < atlas.height; ++y) {
+    for (int x = 0; x < atlas.width; ++x) {
+      int count = 0;
+      for (size_t i = 0; i < atlas.scene.meshes.size(); ++i) {
+        const Placement& place = atlas.placements[i];
+        const double u = (x + 0.5) / atlas.width, v = (y + 0.5) / atlas.height;
+        if (u < double{place.min.x} || u > double{place.max.x} || v < double{place.min.y} ||
+            v > double{place.max.y})
+          continue;
+        for (size_t t = 0; t < atlas.scene.meshes[i].triangles.size(); ++t)
+          count += inside(atlas, i, t, x + 0.5, y + 0.5) ? 1 : 0;
+      }
+      ASSERT_LE(count, 1) << x << ", " << y;
+      covered += count;
+    }
+  }
+  double area = 0;
+  for (const scene::Instance& instance : scene.instances) {
+    const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      area += scene::area(scene::world_triangle(mesh, instance.to_world, t));
+  }
+  EXPECT_NEAR(static_cast<double>(covered), area * 12 * 12, 0.05 * area * 12 * 12);
+  EXPECT_EQ(atlas.lost_triangles, 0);
+}
+
+TEST(Atlas, KeepsShapesAndTrianglesOfInstances) {
+  const scene::Scene scene = test::furnished_room();
+  const Atlas atlas = make_atlas(scene, density(8));
+  ASSERT_EQ(atlas.scene.meshes.size(), scene.instances.size());
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const scene::Mesh& from = scene.meshes[static_cast<size_t>(scene.instances[i].mesh)];
+    const scene::Mesh& to = atlas.scene.meshes[i];
+    ASSERT_EQ(from.triangles.size(), to.triangles.size());
+    for (size_t t = 0; t < from.triangles.size(); ++t)
+      for (size_t k = 0; k < 3; ++k)
+        EXPECT_EQ(from.positions[from.triangles[t][k]], to.positions[to.triangles[t][k]]);
+  }
+}
+
+scene::Scene quad_with_uv1(float shift) {
+  scene::Scene scene;
+  const int white = test::add_material(&scene, {0.5f, 0.5f, 0.5f}, {1, 1, 1});
+  for (int i = 0; i < 2; ++i) {
+    scene::Mesh mesh =
+        test::quad_mesh({3.0f * static_cast<float>(i), 0, 0}, {0, 0, 1}, {1, 0, 0}, white);
+    const float left = 0.5f * static_cast<float>(i) * shift;
+    mesh.uvs[1] = {{left, 0}, {left + 0.4f, 0}, {left + 0.4f, 0.4f}, {left, 0.4f}};
+    test::add_instance(&scene, mesh);
+  }
+  return scene;
+}
+
+TEST(Atlas, KeepsOwnUvsUnlessTheyOverlap) {
+  AtlasOptions keep = density(10);
+  keep.keep_uvs = true;
+  const Atlas kept = make_atlas(quad_with_uv1(1), keep);
+  EXPECT_TRUE(kept.kept_uvs);
+  EXPECT_FLOAT_EQ(kept.scene.meshes[1].uvs[1][0].x, 0.5f);
+  EXPECT_EQ(kept.width, 25);
+  const scene::Scene overlapping = quad_with_uv1(0);
+  EXPECT_EQ(test::message_of([&] { make_atlas(overlapping, keep); }),
+            "--keep-uvs: TEXCOORD_1 of mesh \"quad\" overlaps");
+  keep.keep_uvs = false;
+  EXPECT_FALSE(make_atlas(overlapping, keep).kept_uvs);
+}
+
+TEST(Atlas, RefusesWhatCannotBeBaked) {
+  scene::Scene scene = test::furnished_room();
+  EXPECT_THAT(test::message_of([&] { make_atlas(scene, density(3000)); }),
+              testing::HasSubstr("more than 16384"));
+  for (scene::Mesh& mesh : scene.meshes)
+    for (Vec3& p : mesh.positions) p.y = p.z = 0;
+  EXPECT_THAT(test::message_of([&] { make_atlas(scene, density(8)); }),
+              testing::HasSubstr("no triangle has an area"));
+}
+
+TEST(Texels, PlacesLieInTheirTrianglesAndPixels) {
+  const scene::Scene scene = test::furnished_room();
+  const Layout layout = make_layout(scene, density(6));
+  double parts = 0;
+  for (const Fragment& f : layout.texels.fragments) parts += double{f.area};
+  double area = 0;
+  for (size_t i = 0; i < layout.atlas.scene.meshes.size(); ++i) {
+    for (uint32_t t = 0; t < layout.atlas.scene.meshes[i].triangles.size(); ++t)
+      area += scene::area(
+          scene::world_triangle(layout.atlas.scene.meshes[i], scene.instances[i].to_world, t));
+  }
+  EXPECT_NEAR(parts, area * 36, 0.05 * area * 36);
+  for (size_t i = 0; i < layout.texels.size(); ++i) {
+    for (const float u : {0.0f, 0.3f, 0.999f}) {
+      const TexelPlace place = place_in(layout.atlas, layout.texels, i, {u, u, 1 - u});
+      const Vec3 way = place.position - layout.texels.position[i];
+      EXPECT_LT(length(way), 1.6f * layout.texels.edge[i]);
+      EXPECT_LT(std::abs(dot(way, layout.texels.normal[i])), 1e-4f);
+    }
+  }
+}
+
+TEST(TexelLight, UnderASquareIsItsFormFactor) {
+  scene::Scene scene;
+  const int black = test::add_material(&scene, {0, 0, 0});
+  const int lamp = test::add_material(&scene, {0, 0, 0}, {2, 2, 2});
+  test::add_quad(&scene, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, black);
+  test::add_quad(&scene, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, lamp);
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(16));
+  const TexelLight light = path_light(traced, layout, 16, 16);
+  const std::vector<Vec3> square = {{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}};
+  double sum = 0, squares = 0;
+  int64_t count = 0;
+  for (size_t i = 0; i < layout.texels.size(); ++i) {
+    if (layout.texels.fragments[layout.texels.first[i]].instance != 0) continue;
+    const double truth = 2 * std::abs(test::polygon_irradiance(square, layout.texels.position[i],
+                                                               layout.texels.normal[i]));
+    const double off = double{light.irradiance[i].y} / truth - 1;
+    sum += off;
+    squares += off * off;
+    ++count;
+  }
+  ASSERT_GT(count, 200);
+  EXPECT_LT(std::abs(sum / static_cast<double>(count)), 0.01);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(count)), 0.03);
+}
+
+TEST(TexelLight, InAFurnaceIsASeries) {
+  scene::Scene scene;
+  const int glowing = test::add_material(&scene, {0.5f, 0.5f, 0.5f}, {1, 1, 1});
+  test::add_instance(&scene, test::box_mesh({0, 0, 0}, {1, 1, 1}, glowing, true));
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(10));
+  const TexelLight light = path_light(traced, layout, 8, 16);
+  const double truth = M_PI * (1 + 0.5 + 0.25 + 0.125 + 0.0625);
+  for (size_t i = 0; i < layout.texels.size(); ++i) {
+    EXPECT_EQ(light.dark[i], 0);
+    EXPECT_NEAR(double{light.irradiance[i].x}, truth, 0.03 * truth);
+  }
+}
+
+TEST(TexelLight, IsThatOfPathsPointByPoint) {
+  const scene::Scene scene = test::furnished_room();
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(3));
+  const auto gather = render::make_gather(traced.get(), {});
+  gather->prepare();
+  LightOptions options;
+  options.passes = 32;
+  options.rays = 8;
+  options.seed = 5;
+  const TexelLight light =
+      light_texels(traced.get(), *gather, layout.atlas, layout.texels, options);
+  std::vector<Vec3> normals = layout.texels.normal;
+  for (size_t i = 0; i < normals.size(); ++i)
+    if (light.back[static_cast<size_t>(layout.texels.chart[i])] != 0) normals[i] = -normals[i];
+  pathtrace::IrradianceOptions paths;
+  paths.rays = 1024;
+  const pathtrace::Irradiance truth = pathtrace::estimate_irradiance(
+      traced.bvh, traced.lights, layout.texels.position, normals, paths);
+  double square = 0, mean = 0;
+  int64_t lit = 0, near = 0, dark = 0;
+  for (size_t i = 0; i < layout.texels.size(); ++i) {
+    const float want = luminance(truth.indirect_sum(static_cast<int64_t>(i)));
+    if (light.dark[i] != 0) {
+      ++dark;
+      EXPECT_EQ(want, 0) << i;
+      continue;
+    }
+    const double off = double{luminance(light.irradiance[i]) - want};
+    // A texel of a third of a metre is not its middle: a tenth of the light beside three errors.
+    const double bound = 3 * std::sqrt(double{truth.variance[i]}) + 0.1 * double{want} + 0.02;
+    near += std::abs(off) < bound ? 1 : 0;
+    square += off * off;
+    mean += double{want};
+    ++lit;
+  }
+  mean /= static_cast<double>(lit);
+  EXPECT_GT(dark, 0);  // under the boxes, and their bottoms
+  EXPECT_GT(static_cast<double>(near), 0.95 * static_cast<double>(lit));
+  EXPECT_LT(square / static_cast<double>(lit) / (mean * mean), 0.02);
+}
+
+TEST(TexelLight, IsOfTheSideThatLightReaches) {
+  // A room whose faces look outwards, as plain cubes have them.
+  scene::Scene scene;
+  const int white = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({0, 0, 0}, {2, 2, 2}, white, false));
+  test::add_point_light(&scene, {1, 1.5f, 1}, {1, 1, 1});
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(6));
+  const TexelLight light = path_light(traced, layout, 2, 4);
+  EXPECT_EQ(std::count(light.back.begin(), light.back.end(), 1), layout.atlas.charts);
+  EXPECT_EQ(light.two_sided, 0);
+  EXPECT_EQ(std::count(light.dark.begin(), light.dark.end(), 1), 0);
+}
+
+TEST(TexelLight, OfTwoSidedSurfacesIsTheBrighter) {
+  scene::Scene scene;
+  const int sheet = test::add_material(&scene, {0.5f, 0.5f, 0.5f}, {}, true);
+  test::add_quad(&scene, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, sheet);  // its front looks up
+  test::add_point_light(&scene, {0.5f, 2, 0.5f}, {1, 1, 1});
+  test::add_point_light(&scene, {0.5f, -2, 0.5f}, {5, 5, 5});
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(8));
+  const TexelLight light = path_light(traced, layout, 2, 8);
+  EXPECT_EQ(light.back, std::vector<uint8_t>{1});
+  EXPECT_EQ(light.two_sided, static_cast<int64_t>(layout.texels.size()));
+}
+
+/// A floor with a box on it that light does not get under.
+Lightmap floor_with_box(Traced* traced, const scene::Scene& scene, Layout layout, double* seam) {
+  TexelLight light = path_light(*traced, layout, 4, 8);
+  std::vector<BakedLayer> layers;
+  layers.push_back({"light", std::move(light)});
+  return make_lightmap(traced->bvh, std::move(layout), std::move(layers), {}, seam);
+}
+
+TEST(Lightmap, IsDarkUnderThingsAndFilledBeyondCharts) {
+  scene::Scene scene;
+  const int white = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_quad(&scene, {0, 0, 0}, {0, 0, 3}, {3, 0, 0}, white);
+  test::add_instance(&scene, test::box_mesh({1, 0.001f, 1}, {2, 1, 2}, white, false));
+  test::add_point_light(&scene, {0.2f, 2, 1.5f}, {1, 1, 1});
+  Traced traced(scene);
+  const Layout layout = make_layout(scene, density(16));
+  const Lightmap map = floor_with_box(&traced, scene, layout, nullptr);
+  int64_t dark = 0;
+  for (size_t i = 0; i < layout.texels.size(); ++i) {
+    const Vec3& p = layout.texels.position[i];
+    const uint32_t pixel = layout.texels.pixel[i];
+    const bool under = p.y < 1e-4f && p.x > 1.1f && p.x < 1.9f && p.z > 1.1f && p.z < 1.9f;
+    if (!under) continue;
+    ++dark;
+    EXPECT_EQ(map.mask[pixel], static_cast<uint8_t>(Texel::Dark));
+    EXPECT_EQ(map.layers[0].irradiance[3 * pixel], 0);
+  }
+  EXPECT_GT(dark, 100);
+  std::vector<uint8_t> of_chart(map.pixels());
+  for (const uint32_t pixel : layout.texels.pixel) of_chart[pixel] = 1;
+  for (int y = 1; y + 1 < map.height; ++y) {
+    for (int x = 1; x + 1 < map.width; ++x) {
+      const auto at = static_cast<size_t>(y * map.width + x);
+      if (of_chart[at] != 0) continue;
+      if (of_chart[at - 1] != 0 || of_chart[at + 1] != 0)
+        EXPECT_EQ(map.mask[at], static_cast<uint8_t>(Texel::Filled));
+    }
+  }
+}
+
+TEST(Lightmap, JoinsSeamsOfASphere) {
+  scene::Scene scene;
+  const int white = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::inward_sphere_mesh(1, 3, white));
+  test::add_point_light(&scene, {0.3f, 0.4f, 0}, {1, 1, 1});
+  Traced traced(scene);
+  const Layout layout = make_layout(scene, density(12));
+  const TexelLight light = path_light(traced, layout, 4, 4);
+  const std::vector<uint8_t> mask = make_mask(traced.bvh, layout.atlas, layout.texels, light);
+  std::vector<float> picture = paint(layout.atlas, layout.texels, light, mask);
+  const std::vector<SeamPlace> seams = find_seams(layout.atlas, mask);
+  ASSERT_FALSE(seams.empty());
+  const double before = seam_difference(seams, picture, 0.99);
+  join_seams(seams, mask, &picture);
+  EXPECT_LT(seam_difference(seams, picture, 0.99), 0.3 * before);
+  EXPECT_LT(seam_difference(seams, picture, 0.99), 0.01);
+}
+
+TEST(Lightmap, OfLightGroupsAddsUp) {
+  const scene::Scene scene = test::furnished_room();
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(4));
+  const TexelLight all = path_light(traced, layout, 32, 8);
+  std::vector<double> sum(layout.texels.size());
+  for (int group = 0; group < 2; ++group) {
+    std::vector<int> trees;
+    const scene::Scene one = with_light_of(scene, group, &trees);
+    ASSERT_EQ(one.instances.size(), scene.instances.size());
+    const TexelLight light = path_light(Traced(one), layout, 32, 8);
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += double{luminance(light.irradiance[i])};
+  }
+  double a = 0, b = 0;
+  for (size_t i = 0; i < sum.size(); ++i) {
+    a += sum[i];
+    b += double{luminance(all.irradiance[i])};
+  }
+  EXPECT_NEAR(a / b, 1, 0.01);
+}
+
+TEST(Lightmap, FilesHoldWhatWasBaked) {
+  const scene::Scene scene = test::furnished_room();
+  Traced traced(scene);
+  const Lightmap map = floor_with_box(&traced, scene, make_layout(scene, density(4)), nullptr);
+  const test::TempDir folder;
+  write_lightmap_exr(folder.path() / "map.exr", map);
+  const image::Image read = image::read_exr(folder.path() / "map.exr");
+  ASSERT_EQ(read.width, map.width);
+  for (size_t i = 0; i < read.pixels.size(); ++i)
+    ASSERT_NEAR(read.pixels[i], map.layers[0].irradiance[i],
+                1e-3f * map.layers[0].irradiance[i] + 1e-6f);
+  write_lightmap_glb(folder.path() / "map.glb", map);
+  write_unlit_glb(folder.path() / "unlit.glb", map);
+  const scene::Scene again = scene::load_scene(folder.path() / "unlit.glb");
+  ASSERT_EQ(again.meshes.size(), map.scene.meshes.size());
+  EXPECT_EQ(again.triangle_count(), scene.triangle_count());
+  EXPECT_EQ(again.textures.at(0)->width(), map.width);
+  EXPECT_EQ(scene::load_scene(folder.path() / "map.glb").light_groups.size(), 2u);
+}
+
+}  // namespace
+}  // namespace lte::bake
