@@ -18,8 +18,8 @@ struct Destroy {
 };
 using AtlasPtr = std::unique_ptr<xatlas::Atlas, Destroy>;
 
-/// Texels between charts: two for bilinear look-ups and two that mip maps blur into.
-constexpr uint32_t kPadding = 4;
+/// Texels around each chart, beside those that bilinear look-ups read.
+constexpr uint32_t kPadding = 2;
 /// Times that charts are packed anew until they fit a size.
 constexpr int kPackings = 12;
 

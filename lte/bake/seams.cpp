@@ -13,8 +13,8 @@ namespace {
 /// Cosine between normals beyond which light has no reason to be the same on both sides.
 constexpr float kSmoothEdge = 0.9f;
 /// Weights of least squares: of a seam, of a lit texel's own value, of a filled one's.
-constexpr double kSeam = 5, kOwn = 1, kFilledOwn = 0.1;
-constexpr int kIterations = 60;
+constexpr double kSeam = 50, kOwn = 1, kFilledOwn = 0.1;
+constexpr int kIterations = 200;
 
 using Corner = std::tuple<float, float, float>;
 Corner key(const Vec3& p) { return {p.x, p.y, p.z}; }

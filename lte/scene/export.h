@@ -14,8 +14,8 @@ namespace lte::scene {
 void write_glb(const std::filesystem::path& path, const Scene& scene);
 
 class GlbWriter;
-/// The same with a last change to the document: extensions that a scene has no place for. Image i is
-/// texture i of the scene, material i its material i.
+/// The same with a last change to the document: extensions that a scene has no place for. Image i
+/// is texture i of the scene, material i its material i.
 void write_glb(const std::filesystem::path& path, const Scene& scene,
                const std::function<void(GlbWriter&)>& change);
 

@@ -11,6 +11,7 @@ COMMANDS = {
     "render": (["lte_render"], "a picture of a scene, or a video"),
     "view": (["lte_view"], "fly through a scene in the browser, dim lamps, move things"),
     "probe": (["lte_probe"], "light at the points of a table"),
+    "bake": (["lte_bake"], "light maps, without a GPU"),
     "data": (["lte_datagen"], "scenes and training data"),
     "info": (["lte_datagen", "info"], "what is in a scene or a data set"),
 }

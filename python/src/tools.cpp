@@ -5,6 +5,9 @@
 
 #include "python/src/module.h"
 
+#ifdef LTE_HAS_BAKE
+int lte_bake_main(int argc, char** argv);
+#endif
 int lte_datagen_main(int argc, char** argv);
 int lte_probe_main(int argc, char** argv);
 int lte_render_main(int argc, char** argv);
@@ -17,6 +20,9 @@ namespace {
 /// @return       its exit code
 int run_tool(std::vector<std::string> words) {
   constexpr std::pair<const char*, int (*)(int, char**)> kTools[] = {
+#ifdef LTE_HAS_BAKE
+      {"lte_bake", lte_bake_main},
+#endif
       {"lte_datagen", lte_datagen_main},
       {"lte_probe", lte_probe_main},
       {"lte_render", lte_render_main},

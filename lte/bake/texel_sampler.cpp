@@ -1,0 +1,85 @@
+#include "lte/bake/texel_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lte/base/parallel.h"
+#include "lte/base/random.h"
+
+namespace lte::bake {
+namespace {
+
+constexpr size_t kBlock = 1 << 14;  // texels that an integrator gets at once
+constexpr uint64_t kPlaces = 81;
+
+}  // namespace
+
+TexelSamples::TexelSamples(size_t texels, bool with_direct) {
+  for (size_t h = 0; h < 2; ++h) {
+    indirect[h].resize(texels);
+    if (with_direct) direct[h].resize(texels);
+  }
+}
+
+Halves TexelSamples::means(const std::array<std::vector<Rgb>, 2>& sums) const {
+  Halves out = sums;
+  for (size_t h = 0; h < 2; ++h)
+    for (Rgb& value : out[h]) value *= 1.0f / static_cast<float>(std::max(1, passes[h]));
+  return out;
+}
+
+Rgb TexelSamples::sum(size_t texel) const {
+  Rgb out = indirect[0][texel] + indirect[1][texel];
+  if (!direct[0].empty()) out += direct[0][texel] + direct[1][texel];
+  return out;
+}
+
+render::PointSampling TexelSampler::sampling(uint64_t stream) const {
+  render::PointSampling out;
+  out.rays = options_.rays;
+  out.light_samples = options_.direct ? options_.light_samples : 0;
+  out.seed = stream;
+  return out;
+}
+
+/// Places of a texel over the passes: the golden ratio's sequence, from a start of its own.
+std::array<float, 3> TexelSampler::numbers(uint32_t texel, int number) const {
+  Rng rng(hash_combine(options_.seed, kPlaces), texels_.pixel[texel]);
+  constexpr std::array<double, 3> kSteps = {0.8191725134, 0.6710436067, 0.5497004779};
+  std::array<float, 3> out;
+  for (size_t k = 0; k < 3; ++k) {
+    const double at = double{rng.uniform()} + kSteps[k] * number;
+    out[k] = std::min(static_cast<float>(at - std::floor(at)), 1 - 0x1p-24f);
+  }
+  return out;
+}
+
+void TexelSampler::pass(const render::Integrator& integrator, std::span<const uint32_t> which,
+                        std::span<const uint8_t> back, const render::PointSampling& sampling,
+                        int number, TexelSamples* samples) const {
+  const auto half = static_cast<size_t>(number) % 2;
+  render::PointSampling one = sampling;
+  one.seed =
+      hash_combine(hash_combine(options_.seed, sampling.seed), static_cast<uint64_t>(number));
+  for (size_t begin = 0; begin < which.size(); begin += kBlock) {
+    const auto block = which.subspan(begin, std::min(kBlock, which.size() - begin));
+    std::vector<Vec3> position(block.size()), normal(block.size());
+    parallel_for(static_cast<int64_t>(block.size()), 512, [&](int64_t first, int64_t end) {
+      for (auto i = static_cast<size_t>(first); i < static_cast<size_t>(end); ++i) {
+        const TexelPlace place = place_in(atlas_, texels_, block[i], numbers(block[i], number));
+        position[i] = place.position;
+        const auto chart = static_cast<size_t>(texels_.chart[block[i]]);
+        normal[i] = back[chart] != 0 ? -place.normal : place.normal;
+      }
+    });
+    one.first_index = static_cast<int64_t>(begin);
+    const render::PointIrradiance found = integrator.irradiance({position, normal}, one);
+    for (size_t i = 0; i < block.size(); ++i) {
+      samples->indirect[half][block[i]] += found.indirect[i];
+      if (!found.direct.empty()) samples->direct[half][block[i]] += found.direct[i];
+    }
+  }
+  ++samples->passes[half];
+}
+
+}  // namespace lte::bake
