@@ -37,7 +37,8 @@ std::vector<SeamPlace> find_seams(const Atlas& atlas, const std::vector<uint8_t>
 void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>& mask,
                 std::vector<float>* irradiance);
 
-/// Of the differences across seams over the light there, the value that a share of them is below.
+/// Of the differences across seams over the light there (a hundredth of the mean light at least),
+/// the value that a share of them is below.
 double seam_difference(const std::vector<SeamPlace>& seams, const std::vector<float>& irradiance,
                        double share);
 

@@ -15,7 +15,7 @@ namespace {
 
 /// A chart faces the side that more than this share of its texels find light on.
 constexpr double kLitShare = 0.02;
-/// Texels of a chart that decide its side.
+/// Texels of a chart that decide its side, and of a patch whether light reaches it.
 constexpr int64_t kDeciding = 64;
 /// Of the mean light: what is darker is looked at again, by paths that end where light is.
 constexpr float kDim = 0.01f;
@@ -98,27 +98,76 @@ void choose_sides(const TexelSampler& sampler, const render::Integrator& integra
     sampler.pass(integrator, turned, back, sampler.sampling(kTurnedRays), k, samples);
 }
 
-/// Marks texels that light does not reach: those that have found little, by paths.
-void find_darkness(const pathtrace::Bvh& bvh, const Texels& texels, const TexelSamples& samples,
-                   const std::vector<Vec3>& normals, const LightOptions& options, TexelLight* out) {
-  double sum = 0;
-  for (size_t i = 0; i < texels.size(); ++i) sum += double{luminance(samples.sum(i))};
-  const float dim = kDim * static_cast<float>(sum / static_cast<double>(texels.size()));
-  std::vector<size_t> which;
-  std::vector<Vec3> position, normal;
-  for (size_t i = 0; i < texels.size(); ++i) {
-    if (luminance(samples.sum(i)) > dim) continue;
-    which.push_back(i);
-    position.push_back(texels.position[i]);
-    normal.push_back(normals[i]);
+/// Texels that have found hardly any light, in patches: those that touch in one chart.
+struct DimPatches {
+  std::vector<std::vector<size_t>> patch;
+
+  DimPatches(const Atlas& atlas, const Texels& texels, const TexelSamples& samples) {
+    double sum = 0;
+    for (size_t i = 0; i < texels.size(); ++i) sum += double{luminance(samples.sum(i))};
+    const float dim = kDim * static_cast<float>(sum / static_cast<double>(texels.size()));
+    const auto width = static_cast<uint32_t>(atlas.width);
+    std::vector<int64_t> open(size_t{width} * static_cast<size_t>(atlas.height), -1);
+    for (size_t i = 0; i < texels.size(); ++i)
+      if (luminance(samples.sum(i)) <= dim) open[texels.pixel[i]] = static_cast<int64_t>(i);
+    for (const uint32_t start : texels.pixel) {
+      if (open[start] < 0) continue;
+      std::vector<size_t>& found = patch.emplace_back();
+      std::vector<uint32_t> next{start};
+      const int32_t chart = texels.chart[static_cast<size_t>(open[start])];
+      while (!next.empty()) {
+        const uint32_t pixel = next.back();
+        next.pop_back();
+        if (pixel >= open.size() || open[pixel] < 0 ||
+            texels.chart[static_cast<size_t>(open[pixel])] != chart)
+          continue;
+        found.push_back(static_cast<size_t>(open[pixel]));
+        open[pixel] = -1;
+        for (const uint32_t other : {pixel - 1, pixel + 1, pixel - width, pixel + width})
+          next.push_back(other);
+      }
+    }
   }
-  if (which.empty()) return;
+};
+
+/// Marks texels that light does not reach: those that have found little, by paths. Where none of
+/// some texels of a patch is reached, no texel of it is.
+void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
+                   const TexelSamples& samples, const std::vector<Vec3>& normals,
+                   const LightOptions& options, TexelLight* out) {
   pathtrace::ReachOptions reach;
   reach.max_depth = options.max_depth;
   reach.seed = hash_combine(options.seed, kReachPaths);
-  const std::vector<uint8_t> keep =
-      pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
-  for (size_t k = 0; k < which.size(); ++k) out->dark[which[k]] = keep[k] == 0 ? 1 : 0;
+  const auto reached = [&](const std::vector<size_t>& which) {
+    std::vector<Vec3> position, normal;
+    for (const size_t i : which) {
+      position.push_back(texels.position[i]);
+      normal.push_back(normals[i]);
+    }
+    return pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
+  };
+  const DimPatches dim(atlas, texels, samples);
+  std::vector<size_t> first, rest;
+  for (const std::vector<size_t>& patch : dim.patch)
+    for (size_t k = 0; k < patch.size(); k += 1 + patch.size() / size_t{kDeciding})
+      first.push_back(patch[k]);
+  const std::vector<uint8_t> kept = reached(first);
+  size_t at = 0;
+  for (const std::vector<size_t>& patch : dim.patch) {
+    const size_t step = 1 + patch.size() / size_t{kDeciding};
+    bool any = false;
+    for (size_t k = 0; k < patch.size(); k += step) {
+      any = any || kept[at] != 0;
+      out->dark[patch[k]] = kept[at++] == 0 ? 1 : 0;
+    }
+    for (size_t k = 0; k < patch.size(); ++k) {
+      if (k % step == 0) continue;
+      out->dark[patch[k]] = 1;
+      if (any) rest.push_back(patch[k]);
+    }
+  }
+  const std::vector<uint8_t> also = reached(rest);
+  for (size_t k = 0; k < rest.size(); ++k) out->dark[rest[k]] = also[k] == 0 ? 1 : 0;
 }
 
 }  // namespace
@@ -180,7 +229,7 @@ TexelLight light_texels(const render::TracedScene& scene, const render::Integrat
   if (options.back == nullptr) choose_sides(sampler, integrator, atlas, texels, &samples, &out);
   done();
   const std::vector<Vec3> normals = turned_normals(texels, out.back);
-  find_darkness(scene.bvh, texels, samples, normals, options, &out);
+  find_darkness(scene.bvh, atlas, texels, samples, normals, options, &out);
   std::erase_if(which, [&](uint32_t i) { return out.dark[i] != 0; });
   const TexelGraph graph(scene.bvh, {texels.position, normals, texels.edge, out.dark});
   done();

@@ -15,6 +15,8 @@ constexpr float kSmoothEdge = 0.9f;
 /// Weights of least squares: of a seam, of a lit texel's own value, of a filled one's.
 constexpr double kSeam = 50, kOwn = 1, kFilledOwn = 0.1;
 constexpr int kIterations = 200;
+/// Of the mean light along seams: differences of darker places count relative to that.
+constexpr double kUnseen = 0.01;
 
 using Corner = std::tuple<float, float, float>;
 Corner key(const Vec3& p) { return {p.x, p.y, p.z}; }
@@ -177,7 +179,8 @@ void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>&
 
 double seam_difference(const std::vector<SeamPlace>& seams, const std::vector<float>& irradiance,
                        double share) {
-  std::vector<double> out;
+  std::vector<double> out, level;
+  double mean = 0;
   for (const SeamPlace& place : seams) {
     double difference = 0, light = 0;
     for (size_t k = 0; k < 8; ++k) {
@@ -187,9 +190,12 @@ double seam_difference(const std::vector<SeamPlace>& seams, const std::vector<fl
       difference += double{place.weight[k]} * value;
       light += std::abs(double{place.weight[k]}) * value / 2;
     }
-    out.push_back(light > 0 ? std::abs(difference) / light : 0);
+    out.push_back(std::abs(difference));
+    level.push_back(light);
+    mean += light / static_cast<double>(seams.size());
   }
-  if (out.empty()) return 0;
+  if (!(mean > 0)) return 0;
+  for (size_t i = 0; i < out.size(); ++i) out[i] /= std::max(level[i], kUnseen * mean);
   const auto at = static_cast<size_t>(share * static_cast<double>(out.size() - 1));
   std::nth_element(out.begin(), out.begin() + static_cast<int64_t>(at), out.end());
   return out[at];

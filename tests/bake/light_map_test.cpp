@@ -273,12 +273,11 @@ TEST(TexelLight, OfTwoSidedSurfacesIsTheBrighter) {
   EXPECT_EQ(light.two_sided, static_cast<int64_t>(layout.texels.size()));
 }
 
-/// A floor with a box on it that light does not get under.
-Lightmap floor_with_box(Traced* traced, const scene::Scene& scene, Layout layout, double* seam) {
-  TexelLight light = path_light(*traced, layout, 4, 8);
+Lightmap baked_by_paths(const Traced& traced, Layout layout) {
+  TexelLight light = path_light(traced, layout, 4, 8);
   std::vector<BakedLayer> layers;
   layers.push_back({"light", std::move(light)});
-  return make_lightmap(traced->bvh, std::move(layout), std::move(layers), {}, seam);
+  return make_lightmap(traced.bvh, std::move(layout), std::move(layers), {}, nullptr);
 }
 
 TEST(Lightmap, IsDarkUnderThingsAndFilledBeyondCharts) {
@@ -287,9 +286,9 @@ TEST(Lightmap, IsDarkUnderThingsAndFilledBeyondCharts) {
   test::add_quad(&scene, {0, 0, 0}, {0, 0, 3}, {3, 0, 0}, white);
   test::add_instance(&scene, test::box_mesh({1, 0.001f, 1}, {2, 1, 2}, white, false));
   test::add_point_light(&scene, {0.2f, 2, 1.5f}, {1, 1, 1});
-  Traced traced(scene);
+  const Traced traced(scene);
   const Layout layout = make_layout(scene, density(16));
-  const Lightmap map = floor_with_box(&traced, scene, layout, nullptr);
+  const Lightmap map = baked_by_paths(traced, layout);
   int64_t dark = 0;
   for (size_t i = 0; i < layout.texels.size(); ++i) {
     const Vec3& p = layout.texels.position[i];
@@ -307,8 +306,9 @@ TEST(Lightmap, IsDarkUnderThingsAndFilledBeyondCharts) {
     for (int x = 1; x + 1 < map.width; ++x) {
       const auto at = static_cast<size_t>(y * map.width + x);
       if (of_chart[at] != 0) continue;
-      if (of_chart[at - 1] != 0 || of_chart[at + 1] != 0)
+      if (of_chart[at - 1] != 0 || of_chart[at + 1] != 0) {
         EXPECT_EQ(map.mask[at], static_cast<uint8_t>(Texel::Filled));
+      }
     }
   }
 }
@@ -318,7 +318,7 @@ TEST(Lightmap, JoinsSeamsOfASphere) {
   const int white = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
   test::add_instance(&scene, test::inward_sphere_mesh(1, 3, white));
   test::add_point_light(&scene, {0.3f, 0.4f, 0}, {1, 1, 1});
-  Traced traced(scene);
+  const Traced traced(scene);
   const Layout layout = make_layout(scene, density(12));
   const TexelLight light = path_light(traced, layout, 4, 4);
   const std::vector<uint8_t> mask = make_mask(traced.bvh, layout.atlas, layout.texels, light);
@@ -354,8 +354,8 @@ TEST(Lightmap, OfLightGroupsAddsUp) {
 
 TEST(Lightmap, FilesHoldWhatWasBaked) {
   const scene::Scene scene = test::furnished_room();
-  Traced traced(scene);
-  const Lightmap map = floor_with_box(&traced, scene, make_layout(scene, density(4)), nullptr);
+  const Traced traced(scene);
+  const Lightmap map = baked_by_paths(traced, make_layout(scene, density(4)));
   const test::TempDir folder;
   write_lightmap_exr(folder.path() / "map.exr", map);
   const image::Image read = image::read_exr(folder.path() / "map.exr");
