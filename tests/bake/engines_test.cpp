@@ -26,7 +26,7 @@ constexpr int kSkipped = 77;
 class Engines : public testing::Test {
  protected:
   static const Lightmap& map() {
-    static const Lightmap map = test::quad_lightmap(test::furnished_room(), 24, 128);
+    static const Lightmap map = test::quad_lightmap(test::furnished_room(), 24, 96);
     return map;
   }
 
@@ -37,7 +37,7 @@ class Engines : public testing::Test {
       const pathtrace::Bvh bvh(scene);
       const pathtrace::Lights lights(scene);
       pathtrace::RenderOptions options;
-      options.spp = 192;
+      options.spp = 96;
       return render_reference(bvh, lights, test::room_camera(), kWidth, kHeight, options);
     }();
     return picture;
@@ -129,7 +129,7 @@ TEST_F(Engines, ThreeShowsWhatPathsDo) {
   const pathtrace::Bvh bvh(dimmed);
   const pathtrace::Lights lights(dimmed);
   pathtrace::RenderOptions render;
-  render.spp = 192;
+  render.spp = 96;
   image::Image expected =
       render_reference(bvh, lights, test::room_camera(), kWidth, kHeight, render);
   const image::Image lit = from_png(folder_ / "seen.gains.png");

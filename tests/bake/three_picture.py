@@ -3,8 +3,9 @@
 
 usage: three_picture.py FOLDER VIEW.json OUT.png
 
-VIEW.json has origin, target and vfov of a camera, width and height, exposure (a factor before the
-sRGB curve), and maybe a list of gains of the layers: a second picture, OUT.gains.png, is by these.
+VIEW.json has width, height and exposure (a factor before the sRGB curve); origin, target and vfov of
+a camera, if it is not the page's own; and maybe a list of gains of the layers: a second picture,
+OUT.gains.png, is by these.
 The exit code is 77 where there is no Chromium.
 """
 import base64
@@ -22,10 +23,12 @@ SKIPPED = 77
 SHOW = """(({origin, target, vfov, exposure}, gains) => {
   const {renderer, camera, controls, addLayers, draw} = lteBake;
   renderer.toneMappingExposure = exposure;
-  camera.fov = vfov;
-  camera.position.set(...origin);
-  controls.target.set(...target);
-  controls.update();
+  if (origin) {
+    camera.fov = vfov;
+    camera.position.set(...origin);
+    controls.target.set(...target);
+    controls.update();
+  }
   if (gains) addLayers(gains);
   draw();
   return renderer.domElement.toDataURL("image/png");

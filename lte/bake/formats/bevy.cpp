@@ -7,7 +7,7 @@
 namespace lte::bake {
 namespace {
 
-constexpr const char* kBevyReadme = R"(Light map of {{source}} for Bevy (features "ktx2", "jpeg").
+constexpr const char* kBevyReadme = R"(Light map of {{source}} for Bevy (feature "ktx2").
 
 Copy this folder to assets/baked and spawn scene.glb#Scene0. UV_1 is the place in the atlas itself,
 so that every mesh takes the whole map; lightmap.json has the rectangle of each.
@@ -16,9 +16,10 @@ Values are E / pi in W/sr/m2: 998 is what the default camera exposure (EV100 9.7
     fn add_light_map(mut commands: Commands, assets: Res<AssetServer>,
                      meshes: Query<(Entity, &MeshMaterial3d<StandardMaterial>), Added<Mesh3d>>,
                      mut materials: ResMut<Assets<StandardMaterial>>) {
+        let image = assets.load("baked/lightmap.ktx2");
         for (entity, material) in &meshes {
-            if let Some(material) = materials.get_mut(&material.0) { material.lightmap_exposure = 998.0; }
-            commands.entity(entity).insert(Lightmap { image: assets.load("baked/lightmap.ktx2"),
+            if let Some(found) = materials.get_mut(&material.0) { found.lightmap_exposure = 998.0; }
+            commands.entity(entity).insert(Lightmap { image: image.clone(),
                 uv_rect: Rect::new(0.0, 0.0, 1.0, 1.0), bicubic_sampling: false });
         }
     }
@@ -27,8 +28,10 @@ Values are E / pi in W/sr/m2: 998 is what the default camera exposure (EV100 9.7
 constexpr const char* kBevyVolume = R"(
 What moves is lit by irradiance_volume.ktx2:
 
-    commands.spawn((LightProbe, IrradianceVolume { voxels: assets.load("baked/irradiance_volume.ktx2"),
-        intensity: 998.0, ..default() }, Transform::from_translation({{center}}).with_scale({{extent}})));
+    let voxels = assets.load("baked/irradiance_volume.ktx2");
+    commands.spawn((LightProbe::default(),
+        IrradianceVolume { voxels, intensity: 998.0, ..default() },
+        Transform::from_translation({{center}}).with_scale({{extent}})));
 )";
 
 std::string rust_vector(const Vec3& v) {

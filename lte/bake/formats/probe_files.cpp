@@ -1,11 +1,13 @@
 #include "lte/bake/formats/probe_files.h"
 
 #include <array>
+#include <cstdlib>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "lte/base/math.h"
+#include "lte/base/text.h"
 #include "lte/image/exr.h"
 #include "lte/image/image.h"
 
@@ -14,7 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json_rgb(const Vec3& v) { return {v.x, v.y, v.z}; }
+/// With the digits that a float has: the EXR is exact.
+double rounded(float value) { return std::strtod(formatted("%.7g", value).c_str(), nullptr); }
+
+Json to_json_rgb(const Vec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 
 /// A picture with a pixel a probe.
 template <typename ValueOf>
@@ -54,11 +59,13 @@ Json probe_json(const ProbeVolume& volume, int64_t number) {
   const Probe& probe = volume.probes[static_cast<size_t>(number)];
   Json out{{"position", to_json_rgb(volume.grid.position(number))},
            {"valid", probe.valid},
-           {"back_faces", probe.back_faces}};
+           {"back_faces", rounded(probe.back_faces)}};
   for (const Rgb& value : probe.radiance) out["sh"].push_back(to_json_rgb(value));
   for (const Rgb& value : probe.irradiance) out["cube"].push_back(to_json_rgb(value));
-  out["distance"] = probe.distance;
-  out["distance2"] = probe.distance2;
+  for (size_t side = 0; side < kCubeSides; ++side) {
+    out["distance"].push_back(rounded(probe.distance[side]));
+    out["distance2"].push_back(rounded(probe.distance2[side]));
+  }
   return out;
 }
 
@@ -79,7 +86,7 @@ void write_probes(const ProbeVolume& volume, FileSet* files) {
             {"cube", "irradiance on the sides -x, +x, -y, +y, -z, +z, W/m^2"},
             {"distance", "mean metres to surfaces by side; distance2: of the square"}};
   for (int64_t i = 0; i < volume.grid.size(); ++i) json["probes"].push_back(probe_json(volume, i));
-  files->write("probes.json", json.dump(1) + "\n");
+  files->write("probes.json", json.dump() + "\n");
 }
 
 image::Ktx2 bevy_volume(const ProbeVolume& volume) {
