@@ -53,7 +53,7 @@ struct Sums {
 
  private:
   static size_t side_of(const Vec3& direction, int axis) {
-    return static_cast<size_t>(2 * axis + (direction[axis] > 0 ? 1 : 0));
+    return 2 * static_cast<size_t>(axis) + (direction[axis] > 0 ? 1 : 0);
   }
   static void add_to(std::array<double, 3>* sum, const Rgb& value) {
     for (size_t c = 0; c < 3; ++c) (*sum)[c] += value[static_cast<int>(c)];

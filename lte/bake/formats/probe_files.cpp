@@ -51,6 +51,7 @@ void write_probes_exr(const std::filesystem::path& path, const ProbeVolume& volu
                           return Vec3{probe.valid ? 1.0f : 0.0f, probe.back_faces, 0};
                         }));
   std::vector<image::Layer> layers;
+  layers.reserve(pictures.size());
   for (const auto& [name, picture] : pictures) layers.push_back({name, &picture});
   image::write_exr(path, layers);
 }
