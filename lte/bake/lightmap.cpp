@@ -51,7 +51,7 @@ void write_lightmap_exr(const std::filesystem::path& path, const Lightmap& map) 
 }
 
 void write_lightmap_json(const std::filesystem::path& path, const Lightmap& map,
-                         const std::string& image) {
+                         const std::string& image, const std::string& units) {
   const Provenance& p = map.provenance;
   std::array<int64_t, 4> counts{};
   for (const uint8_t texel : map.mask) ++counts[texel];
@@ -59,7 +59,7 @@ void write_lightmap_json(const std::filesystem::path& path, const Lightmap& map,
       {"schema_version", 1},
       {"image", image},
       {"size", {map.width, map.height}},
-      {"units", "irradiance E in W/m^2, linear Rec.709; radiance of a surface: albedo E / pi"},
+      {"units", units},
       {"uv", "TEXCOORD_1, v down, row 0 is the top"},
       {"texels",
        {{"outside", counts[0]}, {"lit", counts[1]}, {"filled", counts[2]}, {"dark", counts[3]}}},

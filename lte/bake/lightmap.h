@@ -77,8 +77,11 @@ void write_lightmap_exr(const std::filesystem::path& path, const Lightmap& map);
 
 /// Writes schema_version, size, units, layers, rectangles, provenance and mask counts.
 /// @param image  file name of the light map beside it
-void write_lightmap_json(const std::filesystem::path& path, const Lightmap& map,
-                         const std::string& image);
+/// @param units  what its values are
+void write_lightmap_json(
+    const std::filesystem::path& path, const Lightmap& map, const std::string& image,
+    const std::string& units =
+        "irradiance E in W/m^2, linear Rec.709; radiance of a surface: albedo E / pi");
 
 /// Writes map.scene with the light map on TEXCOORD_1 as MOZ_lightmap {index, texCoord: 1,
 /// intensity}. The picture is a PNG inside the file: E / (π `intensity`) on the sRGB curve, the

@@ -60,7 +60,10 @@ TEST(EngineFormats, EachHasSceneRecordAndTenLinesOfHelp) {
     names.emplace_back(format.name);
     const auto out = folder / names.back();
     write(format.name, out, {three_module(folder)});
-    EXPECT_TRUE(std::filesystem::exists(out / "lightmap.json"));
+    const auto record = nlohmann::json::parse(read_file(out / "lightmap.json"));
+    EXPECT_TRUE(std::filesystem::exists(out / record["image"].get<std::string>())) << record;
+    EXPECT_THAT(record["units"].get<std::string>(),
+                testing::StartsWith(format.name == "three" ? "irradiance E in" : "E / pi in"));
     const std::string help = read_file(out / "README.txt");
     EXPECT_THAT(help, HasSubstr("room.glb"));
     const auto lines = std::count(help.begin(), help.end(), '\n');

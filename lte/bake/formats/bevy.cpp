@@ -55,7 +55,7 @@ void write_bevy(const Lightmap& map, const FormatOptions& options, FileSet* file
                                    {"extent", rust_vector(bounds.extent())}});
   }
   files->write("README.txt", readme);
-  write_scene_and_record(map, "lightmap.ktx2", files);
+  write_scene_and_record(map, "lightmap.ktx2", kRadiosityUnits, files);
 }
 
 }  // namespace lte::bake

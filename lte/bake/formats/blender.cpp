@@ -20,12 +20,10 @@ lightmap.json has the rectangle of each mesh and how the map came about.
 }  // namespace
 
 void write_blender(const Lightmap& map, const FormatOptions&, FileSet* files) {
-  files->write("lightmap.exr", [&](const std::filesystem::path& path) {
-    write_lightmap_exr(path, as_radiosity(map));
-  });
+  write_radiosity_exr(map, files);
   files->write("import.py", k_blender_py);
   files->write("README.txt", filled(kBlenderReadme, {{"source", map.provenance.source}}));
-  write_scene_and_record(map, "lightmap.exr", files);
+  write_scene_and_record(map, "lightmap.exr", kRadiosityUnits, files);
 }
 
 }  // namespace lte::bake

@@ -4,6 +4,8 @@
 #include <cctype>
 
 #include "lte/base/check.h"
+#include "lte/image/exr.h"
+#include "lte/image/image.h"
 #include "lte/scene/export.h"
 
 namespace lte::bake {
@@ -42,15 +44,14 @@ std::vector<Rgb> radiosity(const Lightmap& map) {
   return out;
 }
 
-Lightmap as_radiosity(const Lightmap& map) {
-  Lightmap out;
-  out.width = map.width;
-  out.height = map.height;
-  out.mask = map.mask;
-  out.provenance = map.provenance;
-  out.layers = {{"light", map.total()}};
-  for (float& value : out.layers[0].irradiance) value *= 1 / kPi;
-  return out;
+void write_radiosity_exr(const Lightmap& map, FileSet* files) {
+  image::Image picture(map.width, map.height, 3);
+  const std::vector<Rgb> values = radiosity(map);
+  for (size_t i = 0; i < values.size(); ++i) picture.set_rgb(i, values[i]);
+  files->write("lightmap.exr", [&](const std::filesystem::path& path) {
+    image::write_exr(path, {{"", &picture}}, {{"lte.units", kRadiosityUnits}},
+                     image::ExrChannels::Half);
+  });
 }
 
 std::string filled(std::string text,
@@ -65,12 +66,15 @@ std::string filled(std::string text,
   return text;
 }
 
-void write_scene_and_record(const Lightmap& map, const std::string& image, FileSet* files) {
+void write_scene_and_record(const Lightmap& map, const std::string& image, const std::string& units,
+                            FileSet* files) {
   files->write("scene.glb", [&](const std::filesystem::path& path) {
     scene::write_glb(path, engine_scene(map));
   });
-  files->write("lightmap.json",
-               [&](const std::filesystem::path& path) { write_lightmap_json(path, map, image); });
+  files->write("lightmap.json", [&](const std::filesystem::path& path) {
+    if (units.empty()) return write_lightmap_json(path, map, image);
+    write_lightmap_json(path, map, image, units);
+  });
 }
 
 }  // namespace lte::bake

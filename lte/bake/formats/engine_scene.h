@@ -23,8 +23,12 @@ scene::Scene engine_scene(const Lightmap& map);
 /// E / π of the sum over layers, what a white diffuse surface sends out; [height, width].
 std::vector<Rgb> radiosity(const Lightmap& map);
 
-/// The light map with one layer of E / π in the place of its layers.
-Lightmap as_radiosity(const Lightmap& map);
+/// What radiosity()'s values are, in a file.
+inline constexpr const char* kRadiosityUnits =
+    "E / pi in W sr^-1 m^-2, linear Rec.709; radiance of a surface: albedo times that";
+
+/// Adds radiosity() as half floats.
+void write_radiosity_exr(const Lightmap& map, FileSet* files);
 
 /// The text with each {{key}} replaced by its value.
 std::string filled(std::string text,
@@ -32,6 +36,8 @@ std::string filled(std::string text,
 
 /// Adds scene.glb, and lightmap.json, which says how the light map came about.
 /// @param image  file name of the light map
-void write_scene_and_record(const Lightmap& map, const std::string& image, FileSet* files);
+/// @param units  as of write_lightmap_json(), or empty for its own
+void write_scene_and_record(const Lightmap& map, const std::string& image, const std::string& units,
+                            FileSet* files);
 
 }  // namespace lte::bake

@@ -59,9 +59,7 @@ _uses_packed_directional = false
 }  // namespace
 
 void write_godot(const Lightmap& map, const FormatOptions&, FileSet* files) {
-  files->write("lightmap.exr", [&](const std::filesystem::path& path) {
-    write_lightmap_exr(path, as_radiosity(map));
-  });
+  write_radiosity_exr(map, files);
   files->write("lightmap.exr.import", kGodotImport);
   std::string nodes, users;
   for (size_t i = 0; i < map.placements.size(); ++i) {
@@ -76,7 +74,7 @@ void write_godot(const Lightmap& map, const FormatOptions&, FileSet* files) {
   files->write("lightmap.tres", filled(kGodotData, {{"users", users}, {"bounds", box}}));
   files->write("lightmap.gd", filled(k_godot_gd, {{"nodes", nodes}}));
   files->write("README.txt", filled(kGodotReadme, {{"source", map.provenance.source}}));
-  write_scene_and_record(map, "lightmap.exr", files);
+  write_scene_and_record(map, "lightmap.exr", kRadiosityUnits, files);
 }
 
 }  // namespace lte::bake

@@ -69,7 +69,7 @@ void write_three(const Lightmap& map, const FormatOptions& options, FileSet* fil
   files->write("index.html", filled(k_three_html, {{"title", title}, {"map", text}}));
   files->write("lightmap.bin", half_texels(map));
   files->write("README.txt", filled(kThreeReadme, {{"source", map.provenance.source}}));
-  write_scene_and_record(map, "lightmap.bin", files);
+  write_scene_and_record(map, "lightmap.bin", "", files);
 }
 
 }  // namespace lte::bake
