@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Holds baked scenes in a browser against path tracing by the same camera.
 
-usage: scripts/validation/check_bake_pictures.py BUILD [SCENE ...] [--three FILE] [--size 320x240]
-           [--spp 512] [--keep FOLDER] [--bake FLAGS]
+usage: scripts/validation/check_bake_pictures.py BUILD [--scenes FILE ...] [--three FILE]
+           [--size 320x240] [--spp 512] [--keep FOLDER] [--bake FLAGS]
 
 It needs Chromium, PyPI's flip-evaluator, numpy, OpenEXR and pillow, and three.js as an ES module
-(scripts/setup.sh --tests takes it from nicegui's wheel). SCENE defaults to the two of
+(scripts/setup.sh --tests takes it from nicegui's wheel). --scenes defaults to the two of
 assets/scenes that have cameras. For each it bakes the scene for three.js, renders it by
 lte_render --integrator path, and prints the FLIP of the two and the ratio of mean luminances,
 below white alone. The exit code is 1 where FLIP reaches 0.08 or brightness differs by 2 %.
@@ -85,7 +85,7 @@ def check(options, scene, folder):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("build", type=lambda path: pathlib.Path(path).resolve())
-    parser.add_argument("scenes", nargs="*", type=pathlib.Path, default=SCENES)
+    parser.add_argument("--scenes", nargs="+", type=pathlib.Path, default=SCENES)
     parser.add_argument("--three", default=ROOT / ".venv/tests/three.js")
     parser.add_argument("--size", default="320x240")
     parser.add_argument("--spp", type=int, default=512)
