@@ -3,8 +3,8 @@
 
 usage: three_picture.py FOLDER VIEW.json OUT.png
 
-VIEW.json has width, height and exposure (a factor before the sRGB curve); origin, target and vfov of
-a camera, if it is not the page's own; and maybe a list of gains of the layers: a second picture,
+VIEW.json has width, height and exposure (a factor before the sRGB curve); origin, target and vfov
+of a camera, if it is not the page's own; and maybe a list of gains of the layers: a second picture,
 OUT.gains.png, is by these.
 The exit code is 77 where there is no Chromium.
 """
