@@ -35,7 +35,7 @@ What moves is lit by irradiance_volume.ktx2:
 )";
 
 std::string rust_vector(const Vec3& v) {
-  return formatted("Vec3::new(%.9g_f32, %.9g_f32, %.9g_f32)", v.x, v.y, v.z);
+  return formatted("Vec3::new(%.7g_f32, %.7g_f32, %.7g_f32)", v.x, v.y, v.z);
 }
 
 }  // namespace
