@@ -59,12 +59,13 @@ def troff(text):
 
 
 def man_page(name, version, found, commands):
+    summary = found.summary.rstrip(".")
     out = [f'.TH {name.upper()} 1 "" "lte {version}" "User Commands"', ".SH NAME",
-           f"{name} \\- {troff(found.summary.rstrip('.')[:1].lower() + found.summary.rstrip('.')[1:])}",
+           f"{name} \\- {troff(summary[:1].lower() + summary[1:])}",
            ".SH SYNOPSIS", ".B " + troff(found.usage), *sections(found, ".SH")]
     for command, its in commands.items():
-        out += [".SH " + f'"{command.upper()}"', troff(its.summary), ".PP", ".B " + troff(its.usage),
-                *sections(its, ".SS")]
+        out += [f'.SH "{command.upper()}"', troff(its.summary), ".PP",
+                ".B " + troff(its.usage), *sections(its, ".SS")]
     return "\n".join(out) + "\n"
 
 

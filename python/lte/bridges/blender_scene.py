@@ -156,7 +156,8 @@ def _add_light(glb: Glb, light: Any, world: NDArray[np.float64], metre: float, n
         lamp = shapes.placed(mesh, place)
         a, b, c = (lamp[0][lamp[1][:, i]] for i in range(3))
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
-        glb.mesh(lamp[0], lamp[1], glb.material(color=0, emission=power / (np.pi * area)), name=name)
+        shines = glb.material(color=0, emission=power / (np.pi * area))
+        glb.mesh(lamp[0], lamp[1], shines, name=name)
     elif light.type == "POINT" and light.shadow_soft_size > 0:
         radius = light.shadow_soft_size * metre
         lamp = shapes.placed(shapes.sphere(), np.diag([radius, radius, radius, 1.0]))

@@ -82,7 +82,8 @@ class _Reader:
             self._put(prim, shapes.sphere(), world @ np.diag([radius, radius, radius, 1]))
         elif prim.IsA(UsdGeom.Plane):
             plane = UsdGeom.Plane(prim)
-            size = [plane.GetWidthAttr().Get(self.time) / 2, plane.GetLengthAttr().Get(self.time) / 2]
+            edges = plane.GetWidthAttr(), plane.GetLengthAttr()
+            size = [edge.Get(self.time) / 2 for edge in edges]
             axis = "XYZ".index(plane.GetAxisAttr().Get(self.time))
             face = np.roll(np.diag([*size, 1.0]), axis + 1, 0)
             self._put(prim, shapes.rectangle(), world @ _affine(face))
