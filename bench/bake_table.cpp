@@ -196,9 +196,9 @@ void run_bake_table(const BakeTableRequest& request, const CommonOptions& common
     prepare(request, &m);
     std::vector<Row> rows;
     rows.push_back(product(&m, "bake draft", 2, 0, request.seed));
-    rows.push_back(product(&m, "bake preview", 6, 0, request.seed));
-    rows.push_back(product(&m, "bake 64 rays", 16, 0, request.seed));
-    rows.push_back(product(&m, "bake final", 16, 16, request.seed));
+    rows.push_back(product(&m, "bake preview", 2, 8, request.seed));
+    rows.push_back(product(&m, "bake 64 rays alone", 16, 0, request.seed));
+    rows.push_back(product(&m, "bake final", 4, 32, request.seed));
     add_network(&m, request, &rows);
     add_paths(m, 16, 2, request.seed, &rows);
     add_paths(m, 64, 1, request.seed, &rows);

@@ -25,8 +25,9 @@ bake::LightOptions light_options(const BakeRequest& request) {
   out.max_depth = request.max_depth;
   out.seed = request.seed;
   const Quality quality = parse_enum<Quality>("--quality", request.quality);
-  out.passes = quality == Quality::Draft ? 2 : quality == Quality::Preview ? 6 : 16;
-  if (quality == Quality::Final) out.path_passes = 16;
+  // Paths cost little more than gathered rays and carry no light into the dark.
+  out.passes = quality == Quality::Final ? 4 : 2;
+  out.path_passes = quality == Quality::Draft ? 0 : quality == Quality::Preview ? 8 : 32;
   if (!request.time.empty() || request.error > 0) {
     out.passes = kManyPasses;
     out.path_passes = 0;
