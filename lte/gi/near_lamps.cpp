@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <tuple>
 
 #include "lte/base/random.h"
 #include "lte/scene/triangle.h"
@@ -14,47 +12,28 @@ namespace {
 /// Of the mean normal of a lamp, above which it shines one way.
 constexpr float kOneWay = 0.5f;
 
-/// Emissive triangles of one cube.
-struct Cluster {
-  double area = 0;
-  Vec3 weighted, axis;  ///< Σ area · middle, Σ area · normal
-  bool two_sided = false;
-};
-
-float largest_edge(const scene::WorldTriangle& t) {
-  return std::max({length(t.p1 - t.p0), length(t.p2 - t.p1), length(t.p0 - t.p2)});
-}
-
 }  // namespace
 
 NearLamps::NearLamps(const scene::Scene& scene, float reach) : reach_(reach) {
-  using Cube = std::tuple<int64_t, int64_t, int64_t>;
-  std::map<Cube, Cluster> clusters;
   for (const scene::Instance& instance : scene.instances) {
     const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
     const scene::Material& material = scene.materials[static_cast<size_t>(mesh.material)];
     if (!material.emissive()) continue;
+    Bounds bounds;
+    Vec3 axis;  // area times normal
+    double area = 0;
     for (uint32_t k = 0; k < mesh.triangles.size(); ++k) {
       const scene::WorldTriangle t = scene::world_triangle(mesh, instance.to_world, k);
+      for (const Vec3& corner : {t.p0, t.p1, t.p2}) bounds.extend(corner);
       const scene::AreaVector n = scene::area_vector(t);
-      const Vec3 middle = (t.p0 + t.p1 + t.p2) / 3;
-      if (!(n.norm() > 0)) continue;
-      const Cell at = cell_of(middle);
-      Cluster& cluster = clusters[{at.x, at.y, at.z}];
-      // A triangle that is larger than the cube makes its lamp a large one.
-      const double area = largest_edge(t) > 1.5f * reach ? INFINITY : 0.5 * n.norm();
-      cluster.area += area;
-      cluster.weighted += middle * static_cast<float>(0.5 * n.norm());
-      cluster.axis +=
+      axis +=
           Vec3{static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)} * 0.5f;
-      cluster.two_sided |= material.double_sided;
+      area += 0.5 * n.norm();
     }
-  }
-  for (const auto& [cube, cluster] : clusters) {
-    if (cluster.area > double{reach} * reach) continue;
-    const auto scale = static_cast<float>(1 / cluster.area);
-    const bool one_way = !cluster.two_sided && length(cluster.axis) * scale > kOneWay;
-    add(cluster.weighted * scale, one_way ? normalize(cluster.axis) : Vec3{});
+    if (!(area > 0) || max_component(bounds.extent()) > reach) continue;
+    const bool one_way =
+        !material.double_sided && length(axis) > kOneWay * static_cast<float>(area);
+    add(bounds.center(), one_way ? normalize(axis) : Vec3{});
   }
   for (const scene::PunctualLight& light : scene.lights) {
     if (light.kind != scene::LightKind::Directional && max_component(light.intensity) > 0)

@@ -14,13 +14,12 @@ namespace lte::gi {
 /// nothing in them tells that there is anything to miss. What a lamp brings to the other surfaces
 /// by way of such a place, as out of a cup that it stands in, is lost with it.
 ///
-/// Luminaires of the size of a record and larger are left out: records meet what they light.
-/// Thread-safe.
+/// Luminaires that are longer than the reach are left out, as tubes are: records meet what they
+/// light. Thread-safe.
 class NearLamps {
  public:
   NearLamps() = default;
-  /// Point and spot lights, and emissive triangles that are no larger together than a square of
-  /// this edge, in cubes of as much.
+  /// Point and spot lights, and emissive instances that are no longer than the reach.
   /// @param reach  metres, positive: nearer places than this count as near
   NearLamps(const scene::Scene& scene, float reach);
 
