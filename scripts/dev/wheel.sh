@@ -75,8 +75,10 @@ make_wheel() {  # PYTHON; sets `wheel`
   PATH=$tools/bin:$PATH
   rm -rf "$out/raw" "$out/unpacked"
   mkdir -p "$out/raw" "$out/unpacked"
+  # One folder for all: but for the module's own files, objects do not depend on Python.
   pip wheel -q --disable-pip-version-check ./python --no-deps --no-build-isolation \
-    --config-settings build-dir="$root/build-wheel/$version" -w "$out/raw"
+    --config-settings build-dir="$root/build-wheel/objects" \
+    --config-settings cmake.args="-Unanobind_DIR;-UPython_*;-U_Python_*" -w "$out/raw"
   raw=$(echo "$out"/raw/*.whl)
   auditwheel repair --plat manylinux_2_34_x86_64 "$raw" -w "$out/raw/repaired" \
     >"$out/raw/auditwheel.log" 2>&1 ||
