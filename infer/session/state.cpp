@@ -335,13 +335,13 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
 }
 
 std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
+  // The BVH and the lights borrow the scene, and the cache may outlive this state.
   if (answered_by == Method::Gather) {
-    return std::make_shared<LazyCache>([from = records, now = edits, rays = bvh] {
+    return std::make_shared<LazyCache>([from = records, now = edits, held = scene, rays = bvh] {
       const gi::RecordLight light = from->light(*now);
       return gi::IrradianceCache(*rays, from->traced.places, light.total(), light.direct);
     });
   }
-  // The BVH and the lights borrow the scene, and the cache may outlive this state.
   return std::make_shared<LazyCache>([from = records, now = edits, by = layers, held = scene,
                                       rays = bvh, lit = lights, settings = cache_settings(*base)] {
     const gi::CacheRecords& places = from->traced.places;
