@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -50,9 +51,19 @@ void check_usage(const BakeRequest& r) {
             "--set records goes with --integrator gather or network, not path");
   LTE_CHECK(!r.by_light || !r.needs_network(),
             "--by-light goes with --integrator gather or path, not network");
-  LTE_CHECK(r.three.empty() || r.format == "three", "--three goes with --format three");
+  LTE_CHECK(r.three.empty() == (r.format != "three"),
+            "--format three and --three FILE, three.js as an ES module, go together");
   if (r.needs_network()) runtime::require_networks();
   LTE_CHECK(r.validate_only || !r.out.empty(), "--out: name the folder to write");
+}
+
+/// Before the work and not after it.
+void check_folder(const std::string& out) {
+  namespace fs = std::filesystem;
+  fs::path there = fs::absolute(out);
+  LTE_CHECK(!fs::exists(there) || fs::is_directory(there), out, ": --out is no folder");
+  while (!fs::exists(there)) there = there.parent_path();
+  check_writable((there / "lightmap.json").string());
 }
 
 /// @throws runtime::NotEnoughMemory before any of it is taken
@@ -257,6 +268,7 @@ void run_bake(const BakeRequest& request) {
   apply_tool_options(request.tool);
   check_writable(request.tool.common.json);
   check_writable(request.embedding.save);
+  if (!request.validate_only) check_folder(request.out);
   const scene::Scene scene = load_source(request);
   describe(scene, request.scene);
   const Timer timer;
