@@ -301,7 +301,7 @@ void run_bake(const BakeRequest& request) {
   provenance.seed = request.seed;
   for (const bake::BakedLayer& layer : layers)
     provenance.expected_error = std::max(provenance.expected_error, layer.light.expected_error);
-  provenance.paths_per_texel = layers.front().light.path_passes;
+  provenance.paths_per_texel = layers.front().light.paths;
   double seam = 0;
   bake::Lightmap map = bake::make_lightmap(renderer.bvh(), std::move(layout), std::move(layers),
                                            std::move(provenance), &seam);

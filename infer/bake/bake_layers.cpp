@@ -29,8 +29,8 @@ bake::LightOptions light_options(const BakeRequest& request) {
   out.passes = quality == Quality::Final ? 4 : 2;
   out.path_passes = quality == Quality::Draft ? 0 : quality == Quality::Preview ? 8 : 32;
   if (!request.time.empty() || request.error > 0) {
-    out.passes = kManyPasses;
-    out.path_passes = 0;
+    out.passes = request.integrator == "path" ? kManyPasses : 2;
+    out.path_passes = kManyPasses;
     out.error = request.error;
   }
   return out;

@@ -2,173 +2,159 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "lte/bake/sides.h"
 #include "lte/bake/texel_sampler.h"
 #include "lte/base/check.h"
-#include "lte/base/random.h"
 #include "lte/base/timer.h"
-#include "lte/pathtrace/reach/reach.h"
 
 namespace lte::bake {
 namespace {
 
-/// A chart faces the side that more than this share of its texels find light on.
-constexpr double kLitShare = 0.02;
-/// Texels of a chart that decide its side, and of a patch whether light reaches it.
-constexpr int64_t kDeciding = 64;
-/// Of the mean light: what is darker is looked at again, by paths that end where light is.
-constexpr float kDim = 0.01f;
-constexpr uint64_t kRays = 82, kBackRays = 83, kPathRays = 84, kReachPaths = 85, kTurnedRays = 86;
+constexpr uint64_t kRays = 82, kPathRays = 84;
 /// What all samples share, relative, beyond what halves disagree by (lte_probe has found it).
 constexpr double kSharedError = 0.015;
+/// Seconds that smoothing takes a texel and kind of light, about.
+constexpr double kSmoothingSeconds = 6e-6;
+/// Steps of progress beside passes: sides, darkness, neighbours, means.
+constexpr int kOtherSteps = 4;
+/// Rays of a texel in a pass of paths.
+constexpr int kPathsAPass = 2;
+/// Passes after which the error is looked at for the first time, and whenever they have doubled.
+constexpr int kFirstLook = 8;
 
-/// What a side of each chart has shown of light.
-struct ChartLight {
-  std::vector<double> light;
-  std::vector<int64_t> texels, lit;
+/// One bake of light, from the first pass to the last.
+class Bake {
+ public:
+  Bake(const render::TracedScene& scene, const render::Integrator& integrator, const Atlas& atlas,
+       const Texels& texels, const LightOptions& options)
+      : scene_(scene),
+        integrator_(integrator),
+        atlas_(atlas),
+        texels_(texels),
+        options_(options),
+        sampler_(atlas, texels, options),
+        samples_(texels.size(), options.direct),
+        lit_(texels.size()) {
+    out_.irradiance.resize(texels.size());
+    out_.dark.resize(texels.size());
+    out_.back.resize(static_cast<size_t>(atlas.charts));
+    std::iota(lit_.begin(), lit_.end(), 0u);
+  }
 
-  ChartLight(const Texels& t, const TexelSamples& samples, std::span<const uint32_t> which,
-             int32_t count)
-      : light(static_cast<size_t>(count)),
-        texels(static_cast<size_t>(count)),
-        lit(static_cast<size_t>(count)) {
-    for (const uint32_t i : which) {
-      const auto chart = static_cast<size_t>(t.chart[i]);
-      const float value = luminance(samples.sum(i));
-      ++texels[chart];
-      lit[chart] += value > 0 ? 1 : 0;
-      light[chart] += double{value};
+  TexelLight run() {
+    const std::vector<Vec3> normals = find_sides();
+    const TexelGraph graph(scene_.bvh, {texels_.position, normals, texels_.edge, out_.dark});
+    done();
+    gather(graph);
+    Halves light = smooth(graph, samples_.means(samples_.indirect));
+    if (!traces_alone() && options_.path_passes > 0) light = corrected(graph, std::move(light));
+    if (options_.direct) {
+      const Halves direct = smooth(graph, samples_.means(samples_.direct));
+      for (size_t h = 0; h < 2; ++h)
+        for (size_t i = 0; i < direct[h].size(); ++i) light[h][i] += direct[h][i];
     }
+    out_.expected_error = std::hypot(relative_error(light), traces_alone() ? 0 : kSharedError);
+    for (const uint32_t i : lit_) out_.irradiance[i] = (light[0][i] + light[1][i]) * 0.5f;
+    done();
+    return std::move(out_);
   }
-  bool reached(size_t chart) const {
-    return static_cast<double>(lit[chart]) > kLitShare * static_cast<double>(texels[chart]);
+
+ private:
+  bool traces_alone() const { return integrator_.method() == render::Method::Path; }
+
+  void done() {
+    ++step_;
+    if (!options_.progress) return;
+    const double steps = options_.passes + options_.path_passes + kOtherSteps;
+    options_.progress(std::min(1.0, std::max(timer_.seconds() / options_.seconds, step_ / steps)));
   }
+
+  void pass(const TexelSampler& sampler, const render::Integrator& by, uint64_t stream, int number,
+            TexelSamples* into) {
+    const Timer timer;
+    sampler.pass(by, lit_, out_.back, sampler.sampling(stream), number, into);
+    last_pass_s_ = timer.seconds();
+    done();
+  }
+
+  /// Whether two passes more, and what comes after them, end in time.
+  bool two_fit() const {
+    const double smoothing =
+        kSmoothingSeconds * static_cast<double>(texels_.size()) * (options_.direct ? 2 : 1);
+    return timer_.seconds() + 2 * last_pass_s_ + smoothing <= options_.seconds;
+  }
+
+  /// Two passes, and what they say of sides and of darkness. Leaves lit texels in `lit_`.
+  /// @return  normals of the sides that are baked
+  std::vector<Vec3> find_sides() {
+    if (options_.back != nullptr) out_.back = *options_.back;
+    for (int k = 0; k < 2; ++k) pass(sampler_, integrator_, kRays, k, &samples_);
+    if (options_.back == nullptr)
+      choose_sides(sampler_, integrator_, atlas_, texels_, &samples_, &out_);
+    done();
+    std::vector<Vec3> normals = turned_normals(texels_, out_.back);
+    find_darkness(scene_.bvh, atlas_, texels_, samples_, normals, options_, &out_);
+    std::erase_if(lit_, [&](uint32_t i) { return out_.dark[i] != 0; });
+    done();
+    return normals;
+  }
+
+  /// Whether light is known well enough, which is looked at when samples have doubled.
+  template <typename Estimate>
+  bool is_even(int passes, int* next_look, const Estimate& estimate) const {
+    if (options_.error <= 0 || passes < *next_look) return false;
+    *next_look *= 2;
+    return relative_error(estimate()) <= options_.error;
+  }
+
+  /// The other passes by the integrator.
+  void gather(const TexelGraph& graph) {
+    int next_look = kFirstLook;
+    for (int k = 2; k < options_.passes && two_fit(); k += 2) {
+      if (is_even(k, &next_look, [&] { return smooth(graph, samples_.means(samples_.indirect)); }))
+        break;
+      for (int h = 0; h < 2; ++h) pass(sampler_, integrator_, kRays, k + h, &samples_);
+    }
+    out_.passes = samples_.passes[0] + samples_.passes[1];
+    if (traces_alone()) out_.paths = out_.passes * options_.rays;
+  }
+
+  /// Gathered light drawn towards what paths find.
+  Halves corrected(const TexelGraph& graph, Halves gathered) {
+    const auto paths = render::make_path(scene_, options_.max_depth);
+    LightOptions thin = options_;
+    thin.rays = kPathsAPass;
+    thin.direct = false;
+    const TexelSampler sampler(atlas_, texels_, thin);
+    TexelSamples traced(texels_.size(), false);
+    int next_look = kFirstLook;
+    for (int k = 0; k < options_.path_passes && two_fit(); k += 2) {
+      if (is_even(k, &next_look,
+                  [&] { return correct(graph, gathered, traced.means(traced.indirect)); }))
+        break;
+      for (int h = 0; h < 2; ++h) pass(sampler, *paths, kPathRays, k + h, &traced);
+    }
+    out_.paths = kPathsAPass * (traced.passes[0] + traced.passes[1]);
+    if (out_.paths == 0) return gathered;
+    return correct(graph, std::move(gathered), traced.means(traced.indirect));
+  }
+
+  const render::TracedScene& scene_;
+  const render::Integrator& integrator_;
+  const Atlas& atlas_;
+  const Texels& texels_;
+  const LightOptions& options_;
+  const Timer timer_;
+  TexelSampler sampler_;
+  TexelSamples samples_;
+  std::vector<uint32_t> lit_;  ///< texels that passes are over: all, then those that are not dark
+  TexelLight out_;
+  int step_ = 0;
+  double last_pass_s_ = 0;
 };
-
-bool double_sided(const Atlas& atlas, const Texels& texels, size_t i) {
-  const Fragment& f = texels.fragments[texels.first[i]];
-  const scene::Mesh& mesh = atlas.scene.meshes[static_cast<size_t>(f.instance)];
-  return atlas.scene.materials[static_cast<size_t>(mesh.material)].double_sided;
-}
-
-/// Turns charts to their back where light reaches only that, or that of a two-sided one is the
-/// brighter: their samples become those of the back.
-void choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
-                  const Atlas& atlas, const Texels& texels, TexelSamples* samples,
-                  TexelLight* out) {
-  std::vector<uint32_t> all(texels.size());
-  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<uint32_t>(i);
-  const ChartLight front(texels, *samples, all, atlas.charts);
-  std::vector<uint8_t> two_sided(static_cast<size_t>(atlas.charts));
-  for (size_t i = 0; i < texels.size(); ++i)
-    two_sided[static_cast<size_t>(texels.chart[i])] |= double_sided(atlas, texels, i) ? 1 : 0;
-  const auto is_asked = [&](size_t chart) {
-    return two_sided[chart] != 0 || !front.reached(chart);
-  };
-  std::vector<uint32_t> asked;
-  for (const uint32_t i : all) {
-    const auto chart = static_cast<size_t>(texels.chart[i]);
-    const int64_t step = 1 + front.texels[chart] / kDeciding;
-    if (is_asked(chart) && i % step == 0) asked.push_back(i);
-  }
-  TexelSamples behind(texels.size(), !samples->direct[0].empty());
-  const std::vector<uint8_t> back(static_cast<size_t>(atlas.charts), 1);
-  for (int k = 0; k < 2; ++k)
-    sampler.pass(integrator, asked, back, sampler.sampling(kBackRays), k, &behind);
-  const ChartLight ahead(texels, *samples, asked, atlas.charts);
-  const ChartLight rear(texels, behind, asked, atlas.charts);
-  for (size_t chart = 0; chart < back.size(); ++chart) {
-    const bool both = front.reached(chart) && rear.reached(chart);
-    if (both) out->two_sided += front.texels[chart];
-    out->back[chart] =
-        rear.reached(chart) && (!both || rear.light[chart] > ahead.light[chart]) ? 1 : 0;
-  }
-  std::vector<uint32_t> turned;
-  for (const uint32_t i : all) {
-    if (out->back[static_cast<size_t>(texels.chart[i])] == 0) continue;
-    turned.push_back(i);
-    for (size_t h = 0; h < 2; ++h) {
-      samples->indirect[h][i] = {};
-      if (!samples->direct[h].empty()) samples->direct[h][i] = {};
-    }
-  }
-  samples->passes = {};
-  for (int k = 0; k < 2; ++k)
-    sampler.pass(integrator, turned, back, sampler.sampling(kTurnedRays), k, samples);
-}
-
-/// Texels that have found hardly any light, in patches: those that touch in one chart.
-struct DimPatches {
-  std::vector<std::vector<size_t>> patch;
-
-  DimPatches(const Atlas& atlas, const Texels& texels, const TexelSamples& samples) {
-    double sum = 0;
-    for (size_t i = 0; i < texels.size(); ++i) sum += double{luminance(samples.sum(i))};
-    const float dim = kDim * static_cast<float>(sum / static_cast<double>(texels.size()));
-    const auto width = static_cast<uint32_t>(atlas.width);
-    std::vector<int64_t> open(size_t{width} * static_cast<size_t>(atlas.height), -1);
-    for (size_t i = 0; i < texels.size(); ++i)
-      if (luminance(samples.sum(i)) <= dim) open[texels.pixel[i]] = static_cast<int64_t>(i);
-    for (const uint32_t start : texels.pixel) {
-      if (open[start] < 0) continue;
-      std::vector<size_t>& found = patch.emplace_back();
-      std::vector<uint32_t> next{start};
-      const int32_t chart = texels.chart[static_cast<size_t>(open[start])];
-      while (!next.empty()) {
-        const uint32_t pixel = next.back();
-        next.pop_back();
-        if (pixel >= open.size() || open[pixel] < 0 ||
-            texels.chart[static_cast<size_t>(open[pixel])] != chart)
-          continue;
-        found.push_back(static_cast<size_t>(open[pixel]));
-        open[pixel] = -1;
-        for (const uint32_t other : {pixel - 1, pixel + 1, pixel - width, pixel + width})
-          next.push_back(other);
-      }
-    }
-  }
-};
-
-/// Marks texels that light does not reach: those that have found little, by paths. Where none of
-/// some texels of a patch is reached, no texel of it is.
-void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
-                   const TexelSamples& samples, const std::vector<Vec3>& normals,
-                   const LightOptions& options, TexelLight* out) {
-  pathtrace::ReachOptions reach;
-  reach.max_depth = options.max_depth;
-  reach.seed = hash_combine(options.seed, kReachPaths);
-  const auto reached = [&](const std::vector<size_t>& which) {
-    std::vector<Vec3> position, normal;
-    for (const size_t i : which) {
-      position.push_back(texels.position[i]);
-      normal.push_back(normals[i]);
-    }
-    return pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
-  };
-  const DimPatches dim(atlas, texels, samples);
-  std::vector<size_t> first, rest;
-  for (const std::vector<size_t>& patch : dim.patch)
-    for (size_t k = 0; k < patch.size(); k += 1 + patch.size() / size_t{kDeciding})
-      first.push_back(patch[k]);
-  const std::vector<uint8_t> kept = reached(first);
-  size_t at = 0;
-  for (const std::vector<size_t>& patch : dim.patch) {
-    const size_t step = 1 + patch.size() / size_t{kDeciding};
-    bool any = false;
-    for (size_t k = 0; k < patch.size(); k += step) {
-      any = any || kept[at] != 0;
-      out->dark[patch[k]] = kept[at++] == 0 ? 1 : 0;
-    }
-    for (size_t k = 0; k < patch.size(); ++k) {
-      if (k % step == 0) continue;
-      out->dark[patch[k]] = 1;
-      if (any) rest.push_back(patch[k]);
-    }
-  }
-  const std::vector<uint8_t> also = reached(rest);
-  for (size_t k = 0; k < rest.size(); ++k) out->dark[rest[k]] = also[k] == 0 ? 1 : 0;
-}
 
 }  // namespace
 
@@ -199,90 +185,7 @@ TexelLight light_texels(const render::TracedScene& scene, const render::Integrat
                         const Atlas& atlas, const Texels& texels, const LightOptions& options) {
   LTE_CHECK(options.passes >= 2 && options.rays >= 1 && options.path_passes >= 0,
             "light of texels: expected two passes of a ray at least");
-  const Timer timer;
-  const TexelSampler sampler(atlas, texels, options);
-  TexelLight out;
-  out.irradiance.resize(texels.size());
-  out.dark.resize(texels.size());
-  out.back.resize(static_cast<size_t>(atlas.charts));
-  std::vector<uint32_t> which(texels.size());
-  for (size_t i = 0; i < which.size(); ++i) which[i] = static_cast<uint32_t>(i);
-  TexelSamples samples(texels.size(), options.direct);
-  const int steps = options.passes + options.path_passes + 4;
-  int step = 0;
-  const auto done = [&] {
-    ++step;
-    if (!options.progress) return;
-    const double time = timer.seconds() / options.seconds;
-    options.progress(std::min(1.0, std::max(time, static_cast<double>(step) / steps)));
-  };
-  double last = 0;
-  const auto one = [&](const render::Integrator& by, uint64_t stream, int number,
-                       TexelSamples* into) {
-    const Timer each;
-    sampler.pass(by, which, out.back, sampler.sampling(stream), number, into);
-    last = each.seconds();
-    done();
-  };
-  if (options.back != nullptr) out.back = *options.back;
-  for (int k = 0; k < 2; ++k) one(integrator, kRays, k, &samples);
-  if (options.back == nullptr) choose_sides(sampler, integrator, atlas, texels, &samples, &out);
-  done();
-  const std::vector<Vec3> normals = turned_normals(texels, out.back);
-  find_darkness(scene.bvh, atlas, texels, samples, normals, options, &out);
-  std::erase_if(which, [&](uint32_t i) { return out.dark[i] != 0; });
-  const TexelGraph graph(scene.bvh, {texels.position, normals, texels.edge, out.dark});
-  done();
-  const double smoothing = 6e-6 * static_cast<double>(texels.size()) * (options.direct ? 2 : 1);
-  const auto fits = [&](int more) {
-    return timer.seconds() + more * last + smoothing <= options.seconds;
-  };
-  const auto even = [&](const Halves& halves) {
-    return options.error > 0 && relative_error(halves) <= options.error;
-  };
-  Halves indirect;
-  int next = 8;  // how well it is known is looked at when samples have doubled
-  for (int k = 2; k < options.passes && fits(2); k += 2) {
-    if (options.error > 0 && k >= next) {
-      next *= 2;
-      if (even(smooth(graph, samples.means(samples.indirect)))) break;
-    }
-    one(integrator, kRays, k, &samples);
-    one(integrator, kRays, k + 1, &samples);
-  }
-  out.passes = samples.passes[0] + samples.passes[1];
-  indirect = smooth(graph, samples.means(samples.indirect));
-  if (integrator.method() != render::Method::Path && options.path_passes > 0) {
-    const auto paths = render::make_path(scene, options.max_depth);
-    LightOptions thin = options;
-    thin.rays = 2;
-    thin.direct = false;
-    const TexelSampler path_sampler(atlas, texels, thin);
-    TexelSamples traced(texels.size(), false);
-    for (int k = 0; k < options.path_passes && fits(2); k += 2) {
-      const Timer each;
-      for (int h = 0; h < 2; ++h)
-        path_sampler.pass(*paths, which, out.back, path_sampler.sampling(kPathRays), k + h,
-                          &traced);
-      last = each.seconds() / 2;
-      done();
-      done();
-    }
-    out.path_passes = traced.passes[0] + traced.passes[1];
-    if (out.path_passes > 0)
-      indirect = correct(graph, std::move(indirect), traced.means(traced.indirect));
-  }
-  Halves all = indirect;
-  if (options.direct) {
-    const Halves direct = smooth(graph, samples.means(samples.direct));
-    for (size_t h = 0; h < 2; ++h)
-      for (size_t i = 0; i < direct[h].size(); ++i) all[h][i] += direct[h][i];
-  }
-  out.expected_error = std::hypot(relative_error(all),
-                                  integrator.method() == render::Method::Path ? 0 : kSharedError);
-  for (const uint32_t i : which) out.irradiance[i] = (all[0][i] + all[1][i]) * 0.5f;
-  done();
-  return out;
+  return Bake(scene, integrator, atlas, texels, options).run();
 }
 
 }  // namespace lte::bake

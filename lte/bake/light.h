@@ -18,9 +18,9 @@ struct LightOptions {
   int passes = 8;         ///< by the integrator; at least 2
   int rays = 4;           ///< a texel and pass
   int light_samples = 4;  ///< a texel and pass
-  int path_passes = 0;    ///< of one path a texel, which correct what was gathered; even
+  int path_passes = 0;    ///< of two paths a texel, which correct what was gathered; even
   int max_depth = 5;
-  double seconds = INFINITY;  ///< passes after the first two end by then
+  double seconds = INFINITY;  ///< passes after the first two end by then, and so does what follows
   double error = 0;           ///< passes end at this relative_error() of indirect light; 0: none
   uint64_t seed = 0;
   /// [charts] the sides to bake, TexelLight::back of another bake; null: those that light reaches.
@@ -34,7 +34,8 @@ struct TexelLight {
   std::vector<uint8_t> back;    ///< [charts] 1: light of the back
   int64_t two_sided = 0;        ///< texels lit on both sides, of which the brighter was taken
   double expected_error = 0;    ///< Provenance::expected_error
-  int passes = 0, path_passes = 0;
+  int passes = 0;  ///< by the integrator
+  int paths = 0;   ///< a texel, traced to its end
 };
 
 /// Light at texels of an atlas of the scene. The integrator has been prepared.

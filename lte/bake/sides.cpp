@@ -1,0 +1,165 @@
+#include "lte/bake/sides.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lte/base/random.h"
+#include "lte/pathtrace/reach/reach.h"
+
+namespace lte::bake {
+namespace {
+
+/// A chart faces the side that more than this share of its texels find light on.
+constexpr double kLitShare = 0.02;
+/// Texels of a chart that decide its side, and of a patch whether light reaches it.
+constexpr int64_t kDeciding = 64;
+/// Of the mean light: what is darker is looked at again, by paths that end where light is.
+constexpr float kDim = 0.01f;
+constexpr uint64_t kBackRays = 83, kReachPaths = 85, kTurnedRays = 86;
+
+/// What a side of each chart has shown of light.
+struct ChartLight {
+  std::vector<double> light;
+  std::vector<int64_t> texels, lit;
+
+  ChartLight(const Texels& t, const TexelSamples& samples, std::span<const uint32_t> which,
+             int32_t count)
+      : light(static_cast<size_t>(count)),
+        texels(static_cast<size_t>(count)),
+        lit(static_cast<size_t>(count)) {
+    for (const uint32_t i : which) {
+      const auto chart = static_cast<size_t>(t.chart[i]);
+      const float value = luminance(samples.sum(i));
+      ++texels[chart];
+      lit[chart] += value > 0 ? 1 : 0;
+      light[chart] += double{value};
+    }
+  }
+  bool reached(size_t chart) const {
+    return static_cast<double>(lit[chart]) > kLitShare * static_cast<double>(texels[chart]);
+  }
+};
+
+bool double_sided(const Atlas& atlas, const Texels& texels, size_t i) {
+  const Fragment& f = texels.fragments[texels.first[i]];
+  const scene::Mesh& mesh = atlas.scene.meshes[static_cast<size_t>(f.instance)];
+  return atlas.scene.materials[static_cast<size_t>(mesh.material)].double_sided;
+}
+
+/// Texels that have found hardly any light, in patches: those that touch in one chart.
+struct DimPatches {
+  std::vector<std::vector<size_t>> patch;
+
+  DimPatches(const Atlas& atlas, const Texels& texels, const TexelSamples& samples) {
+    double sum = 0;
+    for (size_t i = 0; i < texels.size(); ++i) sum += double{luminance(samples.sum(i))};
+    const float dim = kDim * static_cast<float>(sum / static_cast<double>(texels.size()));
+    const auto width = static_cast<uint32_t>(atlas.width);
+    std::vector<int64_t> open(size_t{width} * static_cast<size_t>(atlas.height), -1);
+    for (size_t i = 0; i < texels.size(); ++i)
+      if (luminance(samples.sum(i)) <= dim) open[texels.pixel[i]] = static_cast<int64_t>(i);
+    for (const uint32_t start : texels.pixel) {
+      if (open[start] < 0) continue;
+      std::vector<size_t>& found = patch.emplace_back();
+      std::vector<uint32_t> next{start};
+      const int32_t chart = texels.chart[static_cast<size_t>(open[start])];
+      while (!next.empty()) {
+        const uint32_t pixel = next.back();
+        next.pop_back();
+        if (pixel >= open.size() || open[pixel] < 0 ||
+            texels.chart[static_cast<size_t>(open[pixel])] != chart)
+          continue;
+        found.push_back(static_cast<size_t>(open[pixel]));
+        open[pixel] = -1;
+        for (const uint32_t other : {pixel - 1, pixel + 1, pixel - width, pixel + width})
+          next.push_back(other);
+      }
+    }
+  }
+};
+
+}  // namespace
+
+void choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
+                  const Atlas& atlas, const Texels& texels, TexelSamples* samples,
+                  TexelLight* out) {
+  std::vector<uint32_t> all(texels.size());
+  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<uint32_t>(i);
+  const ChartLight front(texels, *samples, all, atlas.charts);
+  std::vector<uint8_t> two_sided(static_cast<size_t>(atlas.charts));
+  for (size_t i = 0; i < texels.size(); ++i)
+    two_sided[static_cast<size_t>(texels.chart[i])] |= double_sided(atlas, texels, i) ? 1 : 0;
+  const auto is_asked = [&](size_t chart) {
+    return two_sided[chart] != 0 || !front.reached(chart);
+  };
+  std::vector<uint32_t> asked;
+  for (const uint32_t i : all) {
+    const auto chart = static_cast<size_t>(texels.chart[i]);
+    const int64_t step = 1 + front.texels[chart] / kDeciding;
+    if (is_asked(chart) && i % step == 0) asked.push_back(i);
+  }
+  TexelSamples behind(texels.size(), !samples->direct[0].empty());
+  const std::vector<uint8_t> back(static_cast<size_t>(atlas.charts), 1);
+  for (int k = 0; k < 2; ++k)
+    sampler.pass(integrator, asked, back, sampler.sampling(kBackRays), k, &behind);
+  const ChartLight ahead(texels, *samples, asked, atlas.charts);
+  const ChartLight rear(texels, behind, asked, atlas.charts);
+  for (size_t chart = 0; chart < back.size(); ++chart) {
+    const bool both = front.reached(chart) && rear.reached(chart);
+    if (both) out->two_sided += front.texels[chart];
+    out->back[chart] =
+        rear.reached(chart) && (!both || rear.light[chart] > ahead.light[chart]) ? 1 : 0;
+  }
+  std::vector<uint32_t> turned;
+  for (const uint32_t i : all) {
+    if (out->back[static_cast<size_t>(texels.chart[i])] == 0) continue;
+    turned.push_back(i);
+    for (size_t h = 0; h < 2; ++h) {
+      samples->indirect[h][i] = {};
+      if (!samples->direct[h].empty()) samples->direct[h][i] = {};
+    }
+  }
+  samples->passes = {};
+  for (int k = 0; k < 2; ++k)
+    sampler.pass(integrator, turned, back, sampler.sampling(kTurnedRays), k, samples);
+}
+
+void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
+                   const TexelSamples& samples, const std::vector<Vec3>& normals,
+                   const LightOptions& options, TexelLight* out) {
+  pathtrace::ReachOptions reach;
+  reach.max_depth = options.max_depth;
+  reach.seed = hash_combine(options.seed, kReachPaths);
+  const auto reached = [&](const std::vector<size_t>& which) {
+    std::vector<Vec3> position, normal;
+    for (const size_t i : which) {
+      position.push_back(texels.position[i]);
+      normal.push_back(normals[i]);
+    }
+    return pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
+  };
+  const DimPatches dim(atlas, texels, samples);
+  std::vector<size_t> first, rest;
+  for (const std::vector<size_t>& patch : dim.patch)
+    for (size_t k = 0; k < patch.size(); k += 1 + patch.size() / size_t{kDeciding})
+      first.push_back(patch[k]);
+  const std::vector<uint8_t> kept = reached(first);
+  size_t at = 0;
+  for (const std::vector<size_t>& patch : dim.patch) {
+    const size_t step = 1 + patch.size() / size_t{kDeciding};
+    bool any = false;
+    for (size_t k = 0; k < patch.size(); k += step) {
+      any = any || kept[at] != 0;
+      out->dark[patch[k]] = kept[at++] == 0 ? 1 : 0;
+    }
+    for (size_t k = 0; k < patch.size(); ++k) {
+      if (k % step == 0) continue;
+      out->dark[patch[k]] = 1;
+      if (any) rest.push_back(patch[k]);
+    }
+  }
+  const std::vector<uint8_t> also = reached(rest);
+  for (size_t k = 0; k < rest.size(); ++k) out->dark[rest[k]] = also[k] == 0 ? 1 : 0;
+}
+
+}  // namespace lte::bake
