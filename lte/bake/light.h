@@ -34,8 +34,8 @@ struct TexelLight {
   std::vector<uint8_t> back;    ///< [charts] 1: light of the back
   int64_t two_sided = 0;        ///< texels lit on both sides, of which the brighter was taken
   double expected_error = 0;    ///< Provenance::expected_error
-  int passes = 0;  ///< by the integrator
-  int paths = 0;   ///< a texel, traced to its end
+  int passes = 0;               ///< by the integrator
+  int paths = 0;                ///< a texel, traced to its end
 };
 
 /// Light at texels of an atlas of the scene. The integrator has been prepared.
