@@ -68,10 +68,8 @@ void add_light_options(CLI::App& app, RenderRequest* r) {
   CLI::Option* const quality =
       app.add_option(
              "--quality", r->quality,
-             "How long it takes: draft (one pass), preview (one with more rays, 16 a pixel in "
-             "small "
-             "pictures to 4 in large ones) or final (16 passes, with paths that correct gathered "
-             "light)")
+             "How long it takes: draft (one pass), preview (one of 16 rays a pixel, 4 in large "
+             "pictures) or final (16 passes, with paths that correct gathered light)")
           ->check(CLI::IsMember({"draft", "preview", "final"}))
           ->capture_default_str();
   CLI::Option* const time =

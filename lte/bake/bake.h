@@ -22,8 +22,9 @@ struct BakedLayer {
 };
 
 /// Puts layers of one layout into a light map. A texel is dark where all layers are.
-/// @param bvh  of the scene
-/// @param joins  whether seams are joined
+/// @param bvh       of the scene
+/// @param seam_p99  gets the difference across joined seams that a hundredth exceeds, relative to
+///                  the light there; may be null
 /// @throws lte::Error without layers, or where layers chose different sides
 Lightmap make_lightmap(const pathtrace::Bvh& bvh, Layout layout, std::vector<BakedLayer> layers,
                        Provenance provenance, double* seam_p99);

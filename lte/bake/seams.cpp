@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <tuple>
 
@@ -22,7 +21,6 @@ using Corner = std::tuple<float, float, float>;
 Corner key(const Vec3& p) { return {p.x, p.y, p.z}; }
 
 struct Side {
-  size_t triangle = 0;
   Vec2 a, b;  ///< uv at the ends
   Vec3 normal;
 };
@@ -138,7 +136,7 @@ std::vector<SeamPlace> find_seams(const Atlas& atlas, const std::vector<uint8_t>
         uint32_t a = corner[k], b = corner[(k + 1) % 3];
         if (key(mesh.positions[b]) < key(mesh.positions[a])) std::swap(a, b);
         edges[{key(mesh.positions[a]), key(mesh.positions[b])}].push_back(
-            {t, mesh.uvs[1][a], mesh.uvs[1][b], normal});
+            {mesh.uvs[1][a], mesh.uvs[1][b], normal});
       }
     }
     for (const auto& [ends, sides] : edges)

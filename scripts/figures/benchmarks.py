@@ -124,8 +124,8 @@ def commit():
     return git.stdout.strip() if git.returncode == 0 else None
 
 
-def run_command(words):
-    print("benchmarks:", shlex.join(words), file=sys.stderr, flush=True)
+def run_command(words, program="benchmarks"):
+    print(f"{program}:", shlex.join(words), file=sys.stderr, flush=True)
     try:
         done = subprocess.run(words, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                               text=True, check=False)

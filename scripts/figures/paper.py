@@ -23,12 +23,11 @@ import pathlib
 import resource
 import shlex
 import shutil
-import subprocess
 import sys
 import time
 
 import paper_page
-from benchmarks import Fault, commit, machine
+from benchmarks import Fault, commit, machine, run_command
 from paper_rows import ROWS
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -71,18 +70,9 @@ class Run:
             if known["words"] == words:
                 self.finish(label, words, known)
                 return
-        print("paper:", shlex.join(words), file=sys.stderr, flush=True)
         (ROOT / result).unlink(missing_ok=True)
         clock, before = time.monotonic(), cpu_seconds()
-        try:
-            done = subprocess.run(words, cwd=ROOT, stdout=subprocess.DEVNULL,
-                                  stderr=subprocess.PIPE, text=True, check=False)
-        except OSError as error:
-            raise Fault(f"{words[0]}: {error.strerror}: build it, or name its folder by --bin") \
-                from error
-        if done.returncode != 0:
-            last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-            raise Fault(f"{pathlib.Path(words[0]).name} ended with {done.returncode}: {last}")
+        run_command(words, "paper")
         known = {"words": words, "seconds": time.monotonic() - clock,
                  "cpu_seconds": cpu_seconds() - before}
         if not (ROOT / result).exists():
