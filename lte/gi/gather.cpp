@@ -64,18 +64,41 @@ struct CacheReader {
   Counts* counts;
 };
 
+/// Aims the first rays of paths at the bright places of the cache.
+struct AimedDirections {
+  /// Direct light is sampled elsewhere, against rays by the cosine.
+  static constexpr bool kWeighsAsCosine = true;
+
+  int32_t vertex(int depth, int32_t path, const Vec3&, const Vec3&) const {
+    if (depth > 0 || aims->empty()) return scene::kNone;
+    const size_t point = point_of_path[path];
+    return (*aims)[point].share() > 0 ? static_cast<int32_t>(point) : scene::kNone;
+  }
+  Vec3 sample(int32_t point, const Vec3& normal, const Vec2& u) const {
+    return (*aims)[static_cast<size_t>(point)].sample(normal, u);
+  }
+  float pdf(int32_t point, float cosine, const Vec3& direction) const {
+    return (*aims)[static_cast<size_t>(point)].pdf(cosine, direction);
+  }
+
+  const std::vector<Aim>* aims;  ///< of points; empty: all rays by the cosine
+  const size_t* point_of_path;
+};
+
 /// Gathers for points in blocks of paths that hold several points or a part of one.
 class Gatherer : public pathtrace::LightSink {
  public:
   Gatherer(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const IrradianceCache& cache,
            const GatherOptions& options)
       : options_(options),
+        bright_(cache.bright_places()),
         frame_(bvh.handles().origin),
         half_extent_(0.5f * max_component(bvh.bounds().extent())),
         sampler_(pathtrace::Sampling::Sobol, kStratified * options.rays),
         transport_(bvh, lights, options.max_depth, kRouletteDepth, *this,
                    CacheReader{&cache, frame_, options.near * cache.radius(),
-                               spread_of(cache, options.rays), &texels_, &counts_}) {}
+                               spread_of(cache, options.rays), &texels_, &counts_},
+                   AimedDirections{&aims_, point_.data()}) {}
 
   /// @param geometric     may be empty
   /// @param first_stream  the number of the first point
@@ -84,6 +107,9 @@ class Gatherer : public pathtrace::LightSink {
               std::span<Rgb> met) {
     sums_.assign(positions.size(), {});
     met_.assign(positions.size(), {});
+    aims_.clear();
+    for (size_t i = 0; !bright_.empty() && i < positions.size(); ++i)
+      aims_.push_back(bright_.aim(positions[i], normals[i]));
     for (size_t i = 0; i < positions.size(); ++i) {
       // The offset follows the world coordinates, as that of irradiance does.
       const Vec3& side = geometric.empty() ? normals[i] : geometric[i];
@@ -146,12 +172,14 @@ class Gatherer : public pathtrace::LightSink {
   }
 
   const GatherOptions& options_;
+  const BrightPlaces& bright_;
   const Vec3 frame_;
   const float half_extent_;
   Counts counts_;
   scene::TexelDensities texels_;
   pathtrace::PathSampler sampler_;
-  pathtrace::BasicTransport<CacheReader> transport_;
+  std::vector<Aim> aims_;  ///< [points], or empty
+  pathtrace::BasicTransport<CacheReader, AimedDirections> transport_;
   std::array<size_t, kBlock> point_;
   std::vector<Vec3> geometric_;  ///< normals of the paths' surfaces; empty as they are given
   std::vector<Sum> sums_, met_;

@@ -13,7 +13,7 @@
 namespace lte::gi {
 
 struct GatherOptions {
-  int rays = 16;  ///< cosine-stratified, a point
+  int rays = 16;  ///< a point: stratified, by the cosine and aimed at the cache's bright places
   /// A hit nearer than this many radii of the cache goes on by another segment, since the cache
   /// knows nothing finer than its radius: its direct light is one light sample, and its next hit
   /// reads the cache. Infinite: all do.

@@ -104,6 +104,7 @@ void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb
   }
   even_below_ = lit > 0 ? options_.even_below * static_cast<float>(light / lit) : 0;
   silence_dark_sheets(records);
+  bright_ = BrightPlaces(records, irradiance);
 }
 
 bool IrradianceCache::speaks(uint32_t record, const Vec3& offset) const {

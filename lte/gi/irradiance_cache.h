@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/gi/bright_places.h"
 #include "lte/gi/cache_records.h"
 #include "lte/gi/near_lamps.h"
 #include "lte/gi/surface_index.h"
@@ -60,6 +61,9 @@ class IrradianceCache {
   ///          surface, and where these differ by more than CacheOptions::uneven
   bool lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const;
 
+  /// Where rays that read the cache should be aimed.
+  const BrightPlaces& bright_places() const { return bright_; }
+
   int64_t size() const { return index_.size(); }
   /// Whether a record says nothing, as no lit one leads to it along surfaces.
   bool silent(int64_t record) const { return records_[static_cast<size_t>(record)].silent; }
@@ -97,6 +101,7 @@ class IrradianceCache {
     uint32_t walls = kNone;       ///< index into walls_
     bool silent = false;          ///< says nothing
   };
+  BrightPlaces bright_;
   NearLamps lamps_;
   SurfaceIndex index_;
   std::vector<Record> records_;

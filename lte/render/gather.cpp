@@ -8,7 +8,8 @@
 // light is sampled apart, by light samples and the same rays, weighed by the balance heuristic
 // (Veach and Guibas 1995).
 //
-// One ray carries as much as three or four paths. What the records do not know is lost to the ray
+// A share of the rays is aimed at records that are small and bright (lte/gi/bright_places.h). One
+// ray carries as much as three or four paths. What the records do not know is lost to the ray
 // and not to the picture: where too few stand around a hit, where they differ by more than smooth
 // light would, along metal and near corners the ray goes on as a path.
 //

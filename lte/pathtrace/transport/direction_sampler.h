@@ -16,14 +16,17 @@ namespace lte::pathtrace {
 struct CosineDirections {};
 
 /// Another sampler takes some vertices from the cosine:
-/// - vertex() numbers a diffuse hit, or returns kNone to leave it to the cosine; `position` is
-///   relative to the frame origin, `side` the unit normal.
+/// - vertex() numbers a diffuse vertex, or returns kNone to leave it to the cosine; `path` is its
+///   number in the block, `position` relative to the frame origin, `side` the unit normal.
 /// - sample() draws the next direction there; one below the surface ends the path.
 /// - pdf() is the solid-angle density of sample(), positive wherever light may come from.
+///
+/// Lights that its rays meet are weighed against light samples by that density; with a member
+/// kWeighsAsCosine by that of the cosine, which is as right, where light is sampled elsewhere.
 template <typename Sampler>
 concept DirectionSampler = std::same_as<Sampler, CosineDirections> ||
     requires(const Sampler& sampler, int32_t vertex, const Vec3& vector, const Vec2& u) {
-  { sampler.vertex(/*depth=*/1, /*position=*/vector, /*side=*/vector) } -> std::same_as<int32_t>;
+  { sampler.vertex(/*depth=*/1, /*path=*/vertex, /*position=*/vector, /*side=*/vector) } -> std::same_as<int32_t>;
   { sampler.sample(vertex, /*normal=*/vector, u) } -> std::same_as<Vec3>;
   { sampler.pdf(vertex, /*cosine=*/1.0f, /*direction=*/vector) } -> std::same_as<float>;
 };
@@ -37,8 +40,8 @@ class SampledLanes {
   void clear() { any_ = false; }
   bool any() const { return any_; }
   bool has(int lane) const { return any_ && vertex_[lane] != scene::kNone; }
-  void put(int lane, int depth, const Vec3& position, const Vec3& side) {
-    vertex_[lane] = sampler_.vertex(depth, position, side);
+  void put(int lane, int depth, int32_t path, const Vec3& position, const Vec3& side) {
+    vertex_[lane] = sampler_.vertex(depth, path, position, side);
     any_ |= vertex_[lane] != scene::kNone;
   }
   void leave(int lane) { vertex_[lane] = scene::kNone; }
@@ -63,6 +66,7 @@ class SampledLanes {
     if (!(cosine > 0)) return false;
     *pdf = sampler_.pdf(vertex_[lane], cosine, *direction);
     *throughput *= lambert_pdf(cosine) / *pdf;
+    if constexpr (requires { Sampler::kWeighsAsCosine; }) *pdf = lambert_pdf(cosine);
     return true;
   }
 
@@ -81,7 +85,7 @@ class SampledLanes<CosineDirections> {
   void clear() {}
   static constexpr bool any() { return false; }
   static constexpr bool has(int) { return false; }
-  void put(int, int, const Vec3&, const Vec3&) {}
+  void put(int, int, int32_t, const Vec3&, const Vec3&) {}
   void leave(int) {}
   void move(int, int) {}
   void weigh(const PathBlock&, const LightBlock&, float*) const {}

@@ -73,6 +73,8 @@ void BasicTransport<Observer, Directions>::start_at_surfaces(const PathSampler& 
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.throughput.put(lane, {1, 1, 1});
     paths_.path[lane] = lane;
+    metal_of_[lane] = scene::kNone;
+    sampled_.put(lane, 0, lane, paths_.origin.at(lane), paths_.normal.at(lane));
   }
 }
 
@@ -207,7 +209,7 @@ void BasicTransport<Observer, Directions>::shade(int depth) {
     if (gloss.metallic > 0 || record.normal_mapped) {
       sampled_.leave(kept);
     } else {
-      sampled_.put(kept, depth, point.position, side);
+      sampled_.put(kept, depth, paths_.path[lane], point.position, side);
     }
     paths_.origin.put(kept, point.position + side * point.offset);
     paths_.normal.put(kept, normal);
