@@ -36,7 +36,8 @@ class FieldDirections {
       : origin_(bvh.handles().origin), field_(&field) {}
 
   int32_t vertex(int depth, int32_t, const Vec3& position, const Vec3& side) const {
-    return depth > 0 && depth <= field_->hits() ? field_->at(position + origin_, side) : scene::kNone;
+    return depth > 0 && depth <= field_->hits() ? field_->at(position + origin_, side)
+                                                : scene::kNone;
   }
   Vec3 sample(int32_t place, const Vec3& normal, const Vec2& u) const {
     return field_->direction(place, normal, u);

@@ -41,13 +41,13 @@ PointSet with_metal(PointSet points) {
   return points;
 }
 
-struct Case {
+struct RadianceCase {
   LightTransportModel model{nullptr};
   PointSet points = with_metal(test::box_scene(150, 1));
   QuerySet queries = test::box_queries(40, 2);
   at::Tensor directions = directions_above(queries, 7, 3);
 
-  explicit Case(const ModelConfig& config = radiance_config()) : model(config) {
+  explicit RadianceCase(const ModelConfig& config = radiance_config()) : model(config) {
     test::randomize(*model, 4);
     model->eval();
   }
@@ -142,7 +142,7 @@ TEST(RadianceDecoder, GradientsMatchFiniteDifferences) {
 }
 
 TEST(RadianceDecoder, InferenceAgreesWithTrainingInBlocksOfAnySize) {
-  Case c;
+  RadianceCase c;
   const Embedding embedding = c.model->encode(c.points);
   ASSERT_FALSE(embedding.table.defined()) << "with gradients there are no tables";
   const at::Tensor trained = c.model
@@ -161,7 +161,7 @@ TEST(RadianceDecoder, AFreshModelAnswersMostlyWhatRaysSee) {
   torch::manual_seed(5);
   LightTransportModel model(radiance_config());
   model->eval();
-  const Case c;
+  const RadianceCase c;
   const at::NoGradGuard no_grad;
   const Embedding embedding = model->encode(c.points);
   const at::Tensor answer = model->decode_radiance_normalized({{embedding}, embedding.features},
@@ -174,7 +174,7 @@ TEST(RadianceDecoder, AFreshModelAnswersMostlyWhatRaysSee) {
 }
 
 TEST(RadianceDecoder, ScalesWithTheLight) {
-  Case c;
+  RadianceCase c;
   const at::Tensor before = c.radiance();
   // All light doubled: every input over the emission scale stays, so the answer is exactly twice.
   for (at::Tensor* t : {&c.points.emission, &c.points.direct, &c.points.indirect,
@@ -184,13 +184,13 @@ TEST(RadianceDecoder, ScalesWithTheLight) {
 }
 
 TEST(RadianceDecoder, WithoutEmissionThereIsNoRadiance) {
-  Case c;
+  RadianceCase c;
   c.points.emission = torch::zeros_like(c.points.emission);
   EXPECT_EQ(c.radiance().abs().max().item<float>(), 0);
 }
 
 TEST(RadianceDecoder, ReadsTheGlossOfScenePoints) {
-  Case c;
+  RadianceCase c;
   const at::Tensor metal = c.radiance();
   at::Tensor rough = c.points.gloss.clone();
   rough.select(1, 0).zero_();
@@ -206,7 +206,7 @@ TEST(RadianceDecoder, ReadsTheGlossOfScenePoints) {
 }
 
 TEST(RadianceDecoder, RefusesWhatItCannotAnswer) {
-  Case c;
+  RadianceCase c;
   c.directions[3][2] = 2 * c.directions[3][2];
   test::expect_error([&] { c.radiance(); }, {"direction 2 of query 3", "unit"});
   c.directions[3][2] = -c.queries.normal[3];
@@ -215,14 +215,14 @@ TEST(RadianceDecoder, RefusesWhatItCannotAnswer) {
   test::expect_error([&] { c.radiance(); }, {"direction 2 of query 3", "unit"});
   c.directions = torch::zeros({40, 3});
   test::expect_error([&] { c.radiance(); }, {"[40, N, 3]"});
-  Case without(test::tiny_config());
+  RadianceCase without(test::tiny_config());
   without.directions = directions_above(without.queries, 2, 1);
   test::expect_error([&] { without.radiance(); }, {"no radiance decoder", "radiance_lobes"});
 }
 
 TEST(RadianceDecoder, IsInTheModelFile) {
   const test::TempDir folder;
-  Case c;
+  RadianceCase c;
   save_model(folder / "m.safetensors", c.model);
   const at::Tensor before = c.radiance();
   c.model = load_model(folder / "m.safetensors");
@@ -231,7 +231,7 @@ TEST(RadianceDecoder, IsInTheModelFile) {
 }
 
 TEST(RadianceDecoder, ItsParametersAreCountedApart) {
-  const ParameterCounts counts = count_parameters(Case().model);
+  const ParameterCounts counts = count_parameters(RadianceCase().model);
   EXPECT_EQ(counts.nne + counts.encoder + counts.decoder + counts.radiance, counts.total);
 }
 

@@ -16,19 +16,19 @@ ModelConfig wide_config() {
   return config;
 }
 
-LightTransportModel random_model() {
+LightTransportModel random_radiance_model() {
   LightTransportModel model(wide_config());
   test::randomize(*model, 4);
   model->eval();
   return model;
 }
 
-struct Case {
+struct PrecisionCase {
   PointSet points = test::box_scene(400, 1);
   QuerySet queries = test::box_queries(300, 2);
   at::Tensor directions;
 
-  Case() {
+  PrecisionCase() {
     torch::manual_seed(3);
     points.gloss = torch::rand({400, 2});
     const at::Tensor way = queries.normal.unsqueeze(1) + 0.5 * torch::rand({300, 5, 3});
@@ -38,8 +38,8 @@ struct Case {
 
 TEST(RadiancePrecision, Bf16StaysNearFloat32) {
   const at::NoGradGuard no_grad;
-  const Case c;
-  LightTransportModel model = random_model();
+  const PrecisionCase c;
+  LightTransportModel model = random_radiance_model();
   const auto answer = [&](const Embedding& embedding) {
     return model->decode_radiance(embedding, c.queries, c.directions);
   };
@@ -60,8 +60,8 @@ TEST(RadiancePrecision, Bf16StaysNearFloat32) {
 
 TEST(RadiancePrecision, AnswersInBf16DependOnNoBlock) {
   const at::NoGradGuard no_grad;
-  const Case c;
-  LightTransportModel model = random_model();
+  const PrecisionCase c;
+  LightTransportModel model = random_radiance_model();
   model->set_precision(Precision::Bf16);
   const Embedding embedding = model->encode(c.points);
   const at::Tensor all = model->decode_radiance(embedding, c.queries, c.directions);

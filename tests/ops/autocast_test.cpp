@@ -16,15 +16,9 @@
 namespace lte::ops {
 namespace {
 
-at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
-  return test::normal(shape, seed, at::kFloat);
-}
-
 at::Tensor leaf(const at::Tensor& t) { return t.clone().requires_grad_(); }
 
 /// To the nearest bfloat16, ties to even, by LibTorch.
-at::Tensor rounded(const at::Tensor& x) { return x.to(at::kBFloat16).to(at::kDouble); }
-
 double error(const at::Tensor& got, const at::Tensor& expected) {
   EXPECT_EQ(got.scalar_type(), at::kFloat);
   EXPECT_EQ(got.sizes(), expected.sizes());
@@ -60,12 +54,14 @@ const std::vector<std::array<int64_t, 3>> kShapes = {
 
 TEST_P(LinearAutocast, RoundsWhatItsThreeProductsReadAndNothingElse) {
   for (const auto& [rows, inputs, outputs] : kShapes) {
-    const at::Tensor x = leaf(floats({rows, inputs}, 1)),
-                     weight = leaf(floats({outputs, inputs}, 2)), bias = leaf(floats({outputs}, 3)),
-                     grad = floats({rows, outputs}, 4);
+    const at::Tensor x = leaf(test::floats({rows, inputs}, 1)),
+                     weight = leaf(test::floats({outputs, inputs}, 2)),
+                     bias = leaf(test::floats({outputs}, 3)),
+                     grad = test::floats({rows, outputs}, 4);
     const at::Tensor out = layer(x, weight, bias);
     const auto found = torch::autograd::grad({out}, {x, weight, bias}, {grad});
-    const at::Tensor rx = rounded(x.detach()), rw = rounded(weight.detach()), rg = rounded(grad);
+    const at::Tensor rx = test::rounded(x.detach()), rw = test::rounded(weight.detach()),
+                     rg = test::rounded(grad);
     const std::string shape = c10::str(rows, " x ", inputs, " -> ", outputs);
     EXPECT_LT(error(out.detach(), at::mm(rx, rw.t()) + bias.detach()), tolerance(1e-6)) << shape;
     EXPECT_LT(error(found[0], at::mm(rg, rw)), tolerance(1e-6)) << shape;
@@ -76,13 +72,14 @@ TEST_P(LinearAutocast, RoundsWhatItsThreeProductsReadAndNothingElse) {
 }
 
 TEST_P(LinearAutocast, TakesLeadingAxesStridesAndNoBias) {
-  const at::Tensor x = leaf(floats({3, 40, 64}, 1)), wide = leaf(floats({33, 64}, 2));
+  const at::Tensor x = leaf(test::floats({3, 40, 64}, 1)), wide = leaf(test::floats({33, 64}, 2));
   const at::Tensor out = layer(x.transpose(0, 1).narrow(2, 32, 32), wide.narrow(1, 0, 32));
-  const at::Tensor grad = floats({33, 3, 40}, 3).permute({2, 1, 0});
+  const at::Tensor grad = test::floats({33, 3, 40}, 3).permute({2, 1, 0});
   const auto found = torch::autograd::grad({out}, {x, wide}, {grad});
-  const at::Tensor rx = rounded(x.detach()).transpose(0, 1).narrow(2, 32, 32).reshape({120, 32}),
-                   rw = rounded(wide.detach()).narrow(1, 0, 32),
-                   rg = rounded(grad).reshape({120, 33});
+  const at::Tensor
+      rx = test::rounded(x.detach()).transpose(0, 1).narrow(2, 32, 32).reshape({120, 32}),
+      rw = test::rounded(wide.detach()).narrow(1, 0, 32),
+      rg = test::rounded(grad).reshape({120, 33});
   EXPECT_LT(error(out.detach(), at::mm(rx, rw.t()).view({40, 3, 33})), tolerance(1e-6));
   EXPECT_LT(error(found[0].narrow(2, 32, 32), at::mm(rg, rw).view({40, 3, 32}).transpose(0, 1)),
             tolerance(1e-6));
@@ -94,8 +91,8 @@ TEST_P(LinearAutocast, TakesLeadingAxesStridesAndNoBias) {
 }
 
 TEST_P(LinearAutocast, ThreadsChangeNothing) {
-  const at::Tensor x = leaf(floats({20000, 40}, 1)), weight = leaf(floats({150, 40}, 2)),
-                   grad = floats({20000, 150}, 3);
+  const at::Tensor x = leaf(test::floats({20000, 40}, 1)),
+                   weight = leaf(test::floats({150, 40}, 2)), grad = test::floats({20000, 150}, 3);
   const auto run = [&] {
     const at::Tensor out = layer(x, weight);
     auto all = torch::autograd::grad({out}, {x, weight}, {grad});
@@ -107,7 +104,7 @@ TEST_P(LinearAutocast, ThreadsChangeNothing) {
 }
 
 TEST_P(LinearAutocast, IsTheSameWithoutGradientsAndThePlainLayerInFloat64) {
-  const at::Tensor x = floats({50, 32}, 1), weight = leaf(floats({24, 32}, 2));
+  const at::Tensor x = test::floats({50, 32}, 1), weight = leaf(test::floats({24, 32}, 2));
   at::Tensor without;
   {
     const at::NoGradGuard no_grad;
@@ -139,7 +136,8 @@ TEST_P(LinearAutocast, IsNearFiniteDifferencesOfTheExactFormula) {
 
 TEST_P(LinearAutocast, WhatIsNotFiniteStaysVisible) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), INFINITY}) {
-    const at::Tensor x = floats({40, 32}, 1), weight = leaf(floats({32, 32}, 2)), y = x.clone();
+    const at::Tensor x = test::floats({40, 32}, 1), weight = leaf(test::floats({32, 32}, 2)),
+                     y = x.clone();
     y[7][3] = bad;
     EXPECT_FALSE(layer(y, weight)[7].isfinite().any().item<bool>());
     const auto found = torch::autograd::grad({layer(x, weight)}, {weight}, {y.narrow(1, 0, 32)});
@@ -151,13 +149,15 @@ TEST_P(SubmanifoldConvAutocast, RoundsWhatItsThreeProductsReadAndNothingElse) {
   const at::Tensor cells = test::integers(5, {91, 3}, 7, at::kInt);  // some share a cell
   const auto [pairs, begin] = convolution_pairs(cells, 3);
   for (const auto& [Cin, Cout] : {std::pair<int64_t, int64_t>{16, 16}, {48, 32}, {144, 160}}) {
-    const at::Tensor input = leaf(floats({91, Cin}, 8)), weight = leaf(floats({27, Cin, Cout}, 9)),
-                     bias = leaf(floats({Cout}, 10)), grad = floats({91, Cout}, 11);
+    const at::Tensor input = leaf(test::floats({91, Cin}, 8)),
+                     weight = leaf(test::floats({27, Cin, Cout}, 9)),
+                     bias = leaf(test::floats({Cout}, 10)), grad = test::floats({91, Cout}, 11);
     const at::Tensor out = convolve(input, weight, bias, pairs, begin);
     const auto found = torch::autograd::grad({out}, {input, weight, bias}, {grad});
-    const at::Tensor rx = leaf(rounded(input.detach())), rw = leaf(rounded(weight.detach()));
+    const at::Tensor rx = leaf(test::rounded(input.detach())),
+                     rw = leaf(test::rounded(weight.detach()));
     const at::Tensor exact = submanifold_conv(rx, rw, bias.detach().to(at::kDouble), pairs, begin);
-    const auto expected = torch::autograd::grad({exact}, {rx, rw}, {rounded(grad)});
+    const auto expected = torch::autograd::grad({exact}, {rx, rw}, {test::rounded(grad)});
     const std::string shape = c10::str(Cin, " -> ", Cout);
     EXPECT_LT(error(out.detach(), exact.detach()), tolerance(1e-6)) << shape;
     EXPECT_LT(error(found[0], expected[0]), tolerance(1e-6)) << shape;
@@ -174,7 +174,8 @@ TEST_P(SubmanifoldConvAutocast, RoundsWhatItsThreeProductsReadAndNothingElse) {
 TEST_P(SubmanifoldConvAutocast, OddWidthsAreThePlainConvolution) {
   const at::Tensor cells = test::integers(4, {30, 3}, 7, at::kInt);
   const auto [pairs, begin] = convolution_pairs(cells, 3);
-  const at::Tensor input = leaf(floats({30, 20}, 8)), weight = leaf(floats({27, 20, 16}, 9));
+  const at::Tensor input = leaf(test::floats({30, 20}, 8)),
+                   weight = leaf(test::floats({27, 20, 16}, 9));
   EXPECT_TRUE(
       at::equal(convolve(input, weight, {}, pairs, begin).detach(),
                 submanifold_conv(put(input), put(weight), {}, put(pairs), begin).detach().cpu()));

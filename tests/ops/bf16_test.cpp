@@ -22,23 +22,10 @@
 namespace lte::ops {
 namespace {
 
-at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
-  return test::normal(shape, seed, at::kFloat);
-}
-
-/// To the nearest bfloat16, ties to even, by LibTorch.
-at::Tensor rounded(const at::Tensor& x) {
-  return x.to(at::kFloat).to(at::kBFloat16).to(at::kDouble);
-}
-
-double relative_error(const at::Tensor& got, const at::Tensor& expected) {
-  return ((got.to(at::kDouble) - expected).norm() / expected.norm()).item<double>();
-}
-
 // Sizes about a pair, a block and a panel of channels, and about a tile of rows.
-const std::vector<std::array<int64_t, 3>> kShapes = {{1, 1, 1},      {3, 2, 17},   {95, 15, 16},
-                                                     {96, 128, 128}, {97, 127, 3}, {200, 129, 130},
-                                                     {13, 257, 31}};
+const std::vector<std::array<int64_t, 3>> kProducts = {
+    {1, 1, 1},    {3, 2, 17},      {95, 15, 16}, {96, 128, 128},
+    {97, 127, 3}, {200, 129, 130}, {13, 257, 31}};
 
 class LinearBf16 : public test::PerDevice {
  protected:
@@ -53,14 +40,15 @@ class LinearBf16 : public test::PerDevice {
 LTE_FOR_EACH_DEVICE(LinearBf16);
 
 TEST_P(LinearBf16, IsTheProductOfRoundedOperands) {
-  for (const auto& [rows, inputs, outputs] : kShapes) {
-    const at::Tensor x = floats({rows, inputs}, 1), weight = floats({outputs, inputs}, 2),
-                     bias = floats({outputs}, 3);
-    const at::Tensor product = at::matmul(rounded(x), rounded(weight).t());
+  for (const auto& [rows, inputs, outputs] : kProducts) {
+    const at::Tensor x = test::floats({rows, inputs}, 1),
+                     weight = test::floats({outputs, inputs}, 2), bias = test::floats({outputs}, 3);
+    const at::Tensor product = at::matmul(test::rounded(x), test::rounded(weight).t());
     const at::Tensor half = weight.to(at::kBFloat16);
-    EXPECT_LT(relative_error(layer(x, half), product), tolerance(1e-6)) << rows << " x " << inputs;
+    EXPECT_LT(test::norm_error(layer(x, half), product), tolerance(1e-6))
+        << rows << " x " << inputs;
     const at::Tensor expected = product + bias.to(at::kDouble);
-    EXPECT_LT(relative_error(layer(x, half, bias), expected), tolerance(1e-6))
+    EXPECT_LT(test::norm_error(layer(x, half, bias), expected), tolerance(1e-6))
         << rows << " x " << inputs;
     const at::Tensor activated = layer(x, half, bias, true).to(at::kDouble);
     EXPECT_LT((activated - at::gelu(expected)).abs().max().item<double>(), 3e-4);
@@ -78,7 +66,8 @@ TEST_P(LinearBf16, RoundsTiesToEvenAndKeepsWhatIsRepresentable) {
 }
 
 TEST(LinearBf16OnTheCpu, RowsDoNotSeeEachOtherAndThreadsChangeNothing) {
-  const at::Tensor x = floats({300, 70}, 4), weight = floats({140, 70}, 5).to(at::kBFloat16);
+  const at::Tensor x = test::floats({300, 70}, 4),
+                   weight = test::floats({140, 70}, 5).to(at::kBFloat16);
   const at::Tensor all = ops::linear(x, weight);
   for (const int64_t row : {0, 95, 96, 299}) {
     EXPECT_TRUE(at::equal(ops::linear(x.narrow(0, row, 1), weight)[0], all[row])) << row;
@@ -88,15 +77,15 @@ TEST(LinearBf16OnTheCpu, RowsDoNotSeeEachOtherAndThreadsChangeNothing) {
 }
 
 TEST_P(LinearBf16, RefusesBadInput) {
-  const at::Tensor x = floats({2, 3}, 2), weight = floats({4, 3}, 1).to(at::kBFloat16);
+  const at::Tensor x = test::floats({2, 3}, 2), weight = test::floats({4, 3}, 1).to(at::kBFloat16);
   const auto refused = [this](const at::Tensor& rows, const at::Tensor& w, const at::Tensor& bias,
                               const char* words) {
     return test::throws_saying([&] { layer(rows, w, bias); }, words);
   };
-  EXPECT_TRUE(refused(floats({2, 5}, 2), weight, {}, "x must be"));
+  EXPECT_TRUE(refused(test::floats({2, 5}, 2), weight, {}, "x must be"));
   EXPECT_TRUE(refused(x, weight[0], {}, "weight [O, C]"));
-  EXPECT_TRUE(refused(x, weight, floats({5}, 3), "bias must be [4]"));
-  EXPECT_TRUE(refused(x, weight, floats({4}, 3).to(at::kDouble), "bias must be float32"));
+  EXPECT_TRUE(refused(x, weight, test::floats({5}, 3), "bias must be [4]"));
+  EXPECT_TRUE(refused(x, weight, test::floats({4}, 3).to(at::kDouble), "bias must be float32"));
   if (on_cpu()) return;
   EXPECT_TRUE(test::throws_saying([&] { ops::linear(put(x), weight); }, "weights on cpu"));
 }
@@ -104,7 +93,7 @@ TEST_P(LinearBf16, RefusesBadInput) {
 TEST_P(LinearBf16, TheGradientByTheWeightRefusesBadInput) {
   static const auto gradient =
       find_operator<at::Tensor(const at::Tensor&, const at::Tensor&)>("lte::weight_gradient");
-  const at::Tensor grad = floats({7, 4}, 1), x = floats({7, 3}, 2).to(at::kBFloat16);
+  const at::Tensor grad = test::floats({7, 4}, 1), x = test::floats({7, 3}, 2).to(at::kBFloat16);
   const auto refused = [&](const at::Tensor& g, const at::Tensor& rows, const char* words) {
     return test::throws_saying([&] { gradient.call(g, rows); }, words);
   };
@@ -116,36 +105,36 @@ TEST_P(LinearBf16, TheGradientByTheWeightRefusesBadInput) {
 }
 
 TEST(NeighbourMaxBf16, IsTheMaximumOfRoundedProducts) {
-  const at::Tensor dense = floats({60, 130}, 1), center = floats({20, 130}, 2),
-                   weight = floats({257, 130}, 3), bias = floats({257}, 4),
+  const at::Tensor dense = test::floats({60, 130}, 1), center = test::floats({20, 130}, 2),
+                   weight = test::floats({257, 130}, 3), bias = test::floats({257}, 4),
                    neighbour = test::integers(60, {20, 7}, 5);
   const at::Tensor pair = at::gelu(
       (dense.index_select(0, neighbour.view({-1})).view({20, 7, 130}) + center.unsqueeze(1))
           .to(at::kDouble));
   const at::Tensor expected =
-      at::amax(at::linear(rounded(pair), rounded(weight), bias.to(at::kDouble)), {1});
+      at::amax(at::linear(test::rounded(pair), test::rounded(weight), bias.to(at::kDouble)), {1});
   const at::Tensor got =
       neighbour_max_inference(dense, center, neighbour, weight.to(at::kBFloat16), bias);
   // GELU differs by 2 · 10^-4, a tenth of a rounding.
-  EXPECT_LT(relative_error(got, expected), 1e-3);
+  EXPECT_LT(test::norm_error(got, expected), 1e-3);
 }
 
 TEST(PatchAttentionBf16, IsNearSoftmaxAttention) {
   for (const auto& [n, C, heads] :
        {std::array<int64_t, 3>{1, 4, 1}, {17, 6, 2}, {129, 40, 2}, {300, 128, 4}}) {
-    const at::Tensor qkv = floats({n, 3 * C}, 6);
+    const at::Tensor qkv = test::floats({n, 3 * C}, 6);
     const int64_t d = C / heads;
     const at::Tensor parts = qkv.view({n, 3, heads, d}).permute({1, 2, 0, 3});
     // Scores are in units of log 2, and none of these is so large that one has to be subtracted.
     const float scale = std::numbers::log2e_v<float> / std::sqrt(static_cast<float>(d));
     const at::Tensor score =
-        at::matmul(rounded(parts[0] * scale), rounded(parts[1]).transpose(1, 2));
+        at::matmul(test::rounded(parts[0] * scale), test::rounded(parts[1]).transpose(1, 2));
     const at::Tensor weight = at::exp2(score);
     const at::Tensor expected =
-        (at::matmul(rounded(weight), rounded(parts[2])) / weight.sum(-1, true))
+        (at::matmul(test::rounded(weight), test::rounded(parts[2])) / weight.sum(-1, true))
             .transpose(0, 1)
             .reshape({n, C});
-    EXPECT_LT(relative_error(patch_attention_inference(qkv, {}, {}, heads, 1, true), expected),
+    EXPECT_LT(test::norm_error(patch_attention_inference(qkv, {}, {}, heads, 1, true), expected),
               1e-4)
         << n << " " << C;
   }
@@ -158,18 +147,18 @@ TEST_P(SubmanifoldConvBf16, IsTheSumOfRoundedProducts) {
   const at::Tensor cells = test::integers(5, {90, 3}, 7, at::kInt);
   const auto [pairs, begin] = convolution_pairs(cells, 3);
   for (const auto& [Cin, Cout] : {std::pair<int64_t, int64_t>{16, 16}, {31, 48}, {130, 144}}) {
-    const at::Tensor input = floats({90, Cin}, 8), weight = floats({27, Cin, Cout}, 9),
-                     bias = floats({Cout}, 10);
-    const at::Tensor expected =
-        submanifold_conv(rounded(input), rounded(weight), bias.to(at::kDouble), pairs, begin);
+    const at::Tensor input = test::floats({90, Cin}, 8), weight = test::floats({27, Cin, Cout}, 9),
+                     bias = test::floats({Cout}, 10);
+    const at::Tensor expected = submanifold_conv(test::rounded(input), test::rounded(weight),
+                                                 bias.to(at::kDouble), pairs, begin);
     const at::Tensor got =
         submanifold_conv(put(input), put(weight.to(at::kBFloat16)), put(bias), put(pairs), begin);
-    EXPECT_LT(relative_error(got.cpu(), expected), tolerance(1e-6)) << Cin << " -> " << Cout;
+    EXPECT_LT(test::norm_error(got.cpu(), expected), tolerance(1e-6)) << Cin << " -> " << Cout;
   }
   EXPECT_TRUE(test::throws_saying(
       [&, p = pairs, b = begin] {
-        submanifold_conv(put(floats({90, 16}, 8)), put(floats({27, 16, 5}, 9).to(at::kBFloat16)),
-                         {}, put(p), b);
+        submanifold_conv(put(test::floats({90, 16}, 8)),
+                         put(test::floats({27, 16, 5}, 9).to(at::kBFloat16)), {}, put(p), b);
       },
       "multiple of 16"));
 }
@@ -179,20 +168,20 @@ TEST(QueryDecoderBf16, IsNearFloat32AndDoesNotDependOnThreads) {
     const int64_t Q = 250, m = 60, L = 3;
     const DecoderWeights weights = test::decoder_weights(9, C, L, hidden),
                          half = test::in_bf16(weights);
-    const at::Tensor keys = floats({L, m, C}, 11), values = floats({L, m, C}, 12);
-    const at::Tensor table = neighbour_table(keys, values), attributes = floats({Q, 9}, 13);
+    const at::Tensor keys = test::floats({L, m, C}, 11), values = test::floats({L, m, C}, 12);
+    const at::Tensor table = neighbour_table(keys, values), attributes = test::floats({Q, 9}, 13);
     const QueryNeighbourhood near{test::uniform({Q, 3}, 14), test::uniform({m, 3}, 15),
                                   test::integers(m, {Q, K}, 16), 4, 64};
     const at::Tensor single = query_decoder_inference(attributes, near, table, weights);
     const auto answer = [&] { return query_decoder_inference(attributes, near, table, half); };
     const at::Tensor got = answer();
     EXPECT_LT(
-        relative_error(single, test::decoder_reference(attributes, near, keys, values, weights)),
+        test::norm_error(single, test::decoder_reference(attributes, near, keys, values, weights)),
         2e-6);
     // GELU's 2 · 10^-4, and roundings that it tips to the other side, remain.
-    EXPECT_LT(relative_error(got, test::decoder_reference(attributes, near, keys, values, half)),
+    EXPECT_LT(test::norm_error(got, test::decoder_reference(attributes, near, keys, values, half)),
               2.5e-3);
-    const double by_rounding = relative_error(got, single.to(at::kDouble));
+    const double by_rounding = test::norm_error(got, single.to(at::kDouble));
     EXPECT_GT(by_rounding, 1e-4);
     EXPECT_LT(by_rounding, 2e-2);
     EXPECT_TRUE(at::equal(test::with_threads(1, answer), got));

@@ -25,6 +25,15 @@ inline at::Tensor normal(at::IntArrayRef shape, uint64_t seed, at::ScalarType dt
   return at::randn(shape, generator(seed), at::TensorOptions().dtype(dtype));
 }
 
+inline at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
+  return normal(shape, seed, at::kFloat);
+}
+
+/// To the nearest bfloat16, ties to even, by LibTorch; as float64.
+inline at::Tensor rounded(const at::Tensor& x) {
+  return x.to(at::kFloat).to(at::kBFloat16).to(at::kDouble);
+}
+
 inline at::Tensor integers(int64_t high, at::IntArrayRef shape, uint64_t seed,
                            at::ScalarType dtype = at::kLong) {
   return at::randint(high, shape, generator(seed), at::TensorOptions().dtype(dtype));

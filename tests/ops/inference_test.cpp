@@ -13,14 +13,6 @@
 namespace lte::ops {
 namespace {
 
-at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
-  return test::normal(shape, seed, at::kFloat);
-}
-
-double relative_error(const at::Tensor& got, const at::Tensor& expected) {
-  return ((got.to(at::kDouble) - expected).norm() / expected.norm()).item<double>();
-}
-
 TEST(NeighbourMax, IsTheMaximumOfThePerceptronOverPairs) {
   // Sizes about a block of columns, a panel and a tile of rows.
   for (const auto& [C, O, k, m] : {std::array<int64_t, 4>{1, 1, 1, 1},
@@ -28,8 +20,8 @@ TEST(NeighbourMax, IsTheMaximumOfThePerceptronOverPairs) {
                                    {128, 128, 32, 37},
                                    {130, 257, 7, 20},
                                    {16, 32, 200, 3}}) {
-    const at::Tensor dense = floats({60, C}, 1), center = floats({m, C}, 2),
-                     weight = floats({O, C}, 3), bias = floats({O}, 4),
+    const at::Tensor dense = test::floats({60, C}, 1), center = test::floats({m, C}, 2),
+                     weight = test::floats({O, C}, 3), bias = test::floats({O}, 4),
                      neighbour = test::integers(60, {m, k}, 5);
     const at::Tensor pair =
         at::gelu((dense.index_select(0, neighbour.view({-1})).view({m, k, C}) + center.unsqueeze(1))
@@ -37,7 +29,7 @@ TEST(NeighbourMax, IsTheMaximumOfThePerceptronOverPairs) {
     const at::Tensor expected =
         at::amax(at::linear(pair, weight.to(at::kDouble), bias.to(at::kDouble)), {1});
     const at::Tensor got = neighbour_max_inference(dense, center, neighbour, weight, bias);
-    EXPECT_LT(relative_error(got, expected), 1e-6) << "C " << C << ", O " << O << ", k " << k;
+    EXPECT_LT(test::norm_error(got, expected), 1e-6) << "C " << C << ", O " << O << ", k " << k;
     const at::Tensor one = test::with_threads(
         1, [&] { return neighbour_max_inference(dense, center, neighbour, weight, bias); });
     EXPECT_TRUE(at::equal(got, one));
@@ -45,7 +37,8 @@ TEST(NeighbourMax, IsTheMaximumOfThePerceptronOverPairs) {
 }
 
 TEST(NeighbourMax, RefusesBadInput) {
-  const at::Tensor x = floats({4, 3}, 1), w = floats({3, 3}, 2), b = floats({3}, 3);
+  const at::Tensor x = test::floats({4, 3}, 1), w = test::floats({3, 3}, 2),
+                   b = test::floats({3}, 3);
   EXPECT_TRUE(test::throws_saying(
       [&] {
         neighbour_max_inference(x, x, test::integers(4, {4, 2}, 4).add(4), w, b);
@@ -58,7 +51,7 @@ TEST(NeighbourMax, RefusesBadInput) {
       "over no neighbours"));
   EXPECT_TRUE(test::throws_saying(
       [&] {
-        neighbour_max_inference(x, x, test::integers(4, {4, 2}, 4), floats({3, 5}, 2), b);
+        neighbour_max_inference(x, x, test::integers(4, {4, 2}, 4), test::floats({3, 5}, 2), b);
       },
       "dense and center"));
 }
@@ -79,9 +72,9 @@ TEST(PatchAttention, IsSoftmaxAttentionInOnePatch) {
                                     {95, 128, 4},
                                     {129, 64, 2},
                                     {300, 128, 1}}) {
-    const at::Tensor qkv = 2 * floats({n, 3 * C}, 6);
+    const at::Tensor qkv = 2 * test::floats({n, 3 * C}, 6);
     const at::Tensor got = patch_attention_inference(qkv, {}, {}, heads, 1);
-    EXPECT_LT(relative_error(got, attention_reference(qkv, heads)), 2e-6)
+    EXPECT_LT(test::norm_error(got, attention_reference(qkv, heads)), 2e-6)
         << "n " << n << ", C " << C << ", heads " << heads;
   }
 }
@@ -91,35 +84,36 @@ TEST(PatchAttention, TakesEachPointsOwnSlotOfItsPatch) {
   const at::Tensor order = at::tensor({3, 1, 4, 0, 5, 9, 2, 6, 8, 7}, at::kLong);
   const at::Tensor gather = at::cat({order, order.slice(0, 6, 8)});
   const at::Tensor inverse = at::empty_like(order).scatter_(0, order, at::arange(10, at::kLong));
-  const at::Tensor qkv = floats({10, 24}, 7);
+  const at::Tensor qkv = test::floats({10, 24}, 7);
   const at::Tensor got = patch_attention_inference(qkv, gather, inverse, 2, 4);
   for (int64_t patch = 0; patch < 3; ++patch) {
     const at::Tensor slots = gather.slice(0, 4 * patch, 4 * patch + 4);
     const at::Tensor expected = attention_reference(qkv.index_select(0, slots), 2);
     const int64_t own = patch < 2 ? 4 : 2;
     EXPECT_LT(
-        relative_error(got.index_select(0, slots.slice(0, 0, own)), expected.slice(0, 0, own)),
+        test::norm_error(got.index_select(0, slots.slice(0, 0, own)), expected.slice(0, 0, own)),
         1e-6);
   }
 }
 
 TEST(PatchAttention, SurvivesScoresBeyondTheRangeOfExp) {
-  const at::Tensor qkv = floats({70, 48}, 8);
+  const at::Tensor qkv = test::floats({70, 48}, 8);
   qkv.narrow(1, 0, 32).mul_(100);
   const at::Tensor got = patch_attention_inference(qkv, {}, {}, 1, 1);
   EXPECT_TRUE(got.isfinite().all().item<bool>());
-  EXPECT_LT(relative_error(got, attention_reference(qkv, 1)), 2e-3);  // rounding of scores of 10^4
+  EXPECT_LT(test::norm_error(got, attention_reference(qkv, 1)),
+            2e-3);  // rounding of scores of 10^4
 }
 
 TEST(PatchAttention, IsTheSameWhetherScoresAreKnownToBeSmallOrNot) {
   // Tiles of queries whose scores are small lie beside some whose are not, and beside the border.
-  const at::Tensor qkv = floats({300, 96}, 11);
+  const at::Tensor qkv = test::floats({300, 96}, 11);
   for (const double gain : {0.01, 1.0, 3.0, 4.0, 6.0, 12.0}) {
     at::Tensor x = qkv.clone();
     x.narrow(1, 0, 32).mul_(gain);
     x.narrow(0, 100, 100).narrow(1, 0, 32).mul_(3);
     const at::Tensor got = patch_attention_inference(x, {}, {}, 2, 1);
-    EXPECT_LT(relative_error(got, attention_reference(x, 2)), 3e-6 * std::max(1.0, gain)) << gain;
+    EXPECT_LT(test::norm_error(got, attention_reference(x, 2)), 3e-6 * std::max(1.0, gain)) << gain;
     EXPECT_TRUE(at::equal(
         test::with_threads(1, [&] { return patch_attention_inference(x, {}, {}, 2, 1); }), got));
   }
@@ -128,7 +122,7 @@ TEST(PatchAttention, IsTheSameWhetherScoresAreKnownToBeSmallOrNot) {
 TEST(PatchAttention, KeepsWhatIsNotANumberInItsHeadAndPatch) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const int64_t part : {0, 1, 2}) {  // of a query, a key, a value
-    at::Tensor x = floats({40, 96}, 12);
+    at::Tensor x = test::floats({40, 96}, 12);
     x[7][part * 32 + 3] = nan;
     const at::Tensor got = patch_attention_inference(x, {}, {}, 2, 1);
     EXPECT_TRUE(got[7].slice(0, 0, 16).isnan().any().item<bool>() || part == 1) << part;
@@ -137,7 +131,7 @@ TEST(PatchAttention, KeepsWhatIsNotANumberInItsHeadAndPatch) {
 }
 
 TEST(PatchAttention, RefusesBadInput) {
-  const at::Tensor qkv = floats({4, 12}, 9), slots = at::arange(4, at::kLong);
+  const at::Tensor qkv = test::floats({4, 12}, 9), slots = at::arange(4, at::kLong);
   EXPECT_TRUE(test::throws_saying([&] { patch_attention_inference(qkv, {}, {}, 3, 1); }, "heads"));
   EXPECT_TRUE(
       test::throws_saying([&] { patch_attention_inference(qkv, slots, {}, 1, 4); }, "go together"));
@@ -153,10 +147,11 @@ TEST(ProjectFeedForward, IsThePerceptronAfterTheSum) {
                                             {97, 48, 32, 144},
                                             {40, 13, 7, 29},
                                             {600, 130, 140, 260}}) {
-    const at::Tensor x = floats({n, C}, 13), a = floats({n, inputs}, 14),
-                     W = floats({C, inputs}, 15), b = floats({C}, 16), gain = floats({C}, 17),
-                     shift = floats({C}, 18), W1 = floats({width, C}, 19), b1 = floats({width}, 20),
-                     W2 = floats({C, width}, 21), b2 = floats({C}, 22);
+    const at::Tensor x = test::floats({n, C}, 13), a = test::floats({n, inputs}, 14),
+                     W = test::floats({C, inputs}, 15), b = test::floats({C}, 16),
+                     gain = test::floats({C}, 17), shift = test::floats({C}, 18),
+                     W1 = test::floats({width, C}, 19), b1 = test::floats({width}, 20),
+                     W2 = test::floats({C, width}, 21), b2 = test::floats({C}, 22);
     const auto wide = [](const at::Tensor& t) { return t.to(at::kDouble); };
     const at::Tensor sum = wide(x) + at::linear(wide(a), wide(W), wide(b));
     const at::Tensor normed = at::layer_norm(sum, {C}, wide(gain), wide(shift));
@@ -168,14 +163,15 @@ TEST(ProjectFeedForward, IsThePerceptronAfterTheSum) {
     const at::Tensor got = run();
     EXPECT_EQ(got.sizes(), expected.sizes());
     if (n > 0) {
-      EXPECT_LT(relative_error(got, expected), 2e-6) << "n " << n << ", C " << C;
+      EXPECT_LT(test::norm_error(got, expected), 2e-6) << "n " << n << ", C " << C;
     }
     EXPECT_TRUE(at::equal(test::with_threads(1, run), got));
   }
 }
 
 TEST(ProjectFeedForward, RefusesBadInput) {
-  const at::Tensor x = floats({6, 4}, 1), v = floats({4}, 2), square = floats({4, 4}, 3);
+  const at::Tensor x = test::floats({6, 4}, 1), v = test::floats({4}, 2),
+                   square = test::floats({4, 4}, 3);
   const auto refused = [&](const at::Tensor& attended, const at::Tensor& W, const char* words) {
     return test::throws_saying(
         [&] {
@@ -183,14 +179,14 @@ TEST(ProjectFeedForward, RefusesBadInput) {
         },
         words);
   };
-  EXPECT_TRUE(refused(floats({5, 4}, 4), square, "attended must be [6, 4]"));
-  EXPECT_TRUE(refused(floats({6, 3}, 4), square, "attended must be [6, 4]"));
-  EXPECT_TRUE(refused(x, floats({5, 4}, 5), "bias"));
+  EXPECT_TRUE(refused(test::floats({5, 4}, 4), square, "attended must be [6, 4]"));
+  EXPECT_TRUE(refused(test::floats({6, 3}, 4), square, "attended must be [6, 4]"));
+  EXPECT_TRUE(refused(x, test::floats({5, 4}, 5), "bias"));
   EXPECT_TRUE(test::throws_saying(
       [&] {
-        project_feed_forward(
-            x, x, {square, v}, {v, v},
-            {{floats({8, 4}, 3), floats({8}, 4)}, {floats({5, 8}, 5), floats({5}, 6)}});
+        project_feed_forward(x, x, {square, v}, {v, v},
+                             {{test::floats({8, 4}, 3), test::floats({8}, 4)},
+                              {test::floats({5, 8}, 5), test::floats({5}, 6)}});
       },
       "must have 4 outputs"));
 }

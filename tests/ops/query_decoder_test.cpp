@@ -15,13 +15,9 @@
 namespace lte::ops {
 namespace {
 
-at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
-  return test::normal(shape, seed, at::kFloat);
-}
-
 at::Tensor unit(const at::Tensor& v) { return v / v.norm(2, {1}, /*keepdim=*/true); }
 
-struct Sizes {
+struct DecoderSizes {
   int64_t Q, m, K, C, L, hidden;
   bool normals = false;  ///< whether γ reads them
 };
@@ -32,17 +28,17 @@ struct Case {
   at::Tensor keys, values, attributes;
   QueryNeighbourhood near;
 
-  Case(const Sizes& s, double scale, double limit)
+  Case(const DecoderSizes& s, double scale, double limit)
       : weights(test::decoder_weights(9, s.C, s.L, s.hidden,
                                       s.normals ? kNormalInputs : kOffsetInputs)),
-        keys(floats({s.L, s.m, s.C}, 11)),
-        values(floats({s.L, s.m, s.C}, 12)),
-        attributes(floats({s.Q, 9}, 13)),
+        keys(test::floats({s.L, s.m, s.C}, 11)),
+        values(test::floats({s.L, s.m, s.C}, 12)),
+        attributes(test::floats({s.Q, 9}, 13)),
         near{test::uniform({s.Q, 3}, 14), test::uniform({s.m, 3}, 15),
              test::integers(s.m, {s.Q, s.K}, 16), scale, limit} {
     if (!s.normals) return;
-    near.normal = unit(floats({s.Q, 3}, 17));
-    near.anchor_normal = unit(floats({s.m, 3}, 18));
+    near.normal = unit(test::floats({s.Q, 3}, 17));
+    near.anchor_normal = unit(test::floats({s.m, 3}, 18));
   }
 
   at::Tensor expected(const at::Tensor& rows) const {
@@ -77,9 +73,9 @@ class QueryDecoderInference : public test::PerDevice {
 };
 LTE_FOR_EACH_DEVICE(QueryDecoderInference);
 
-// Sizes about a warp and a block of channels, a run of neighbours, of γ's activations and of
+// DecoderSizes about a warp and a block of channels, a run of neighbours, of γ's activations and of
 // queries, and a tile of them.
-const Sizes kSizes[] = {
+const DecoderSizes kDecoderSizes[] = {
     {1, 1, 1, 1, 1, 1},        {250, 40, 9, 20, 3, 150},       {100, 90, 33, 33, 2, 64},
     {70, 200, 70, 257, 2, 65}, {97, 30, 16, 16, 1, 8},         {20'000, 500, 32, 128, 6, 64},
     {1, 1, 1, 1, 1, 1, true},  {250, 40, 9, 20, 3, 151, true}, {200, 90, 33, 64, 2, 64, true}};
@@ -96,7 +92,7 @@ at::Tensor some_rows(int64_t Q) {
 }
 
 TEST_P(QueryDecoderInference, IsItsFormula) {
-  for (const Sizes& s : kSizes) {
+  for (const DecoderSizes& s : kDecoderSizes) {
     const Case c(s, 10, 4);
     const at::Tensor got = infer(c), rows = some_rows(s.Q);
     ASSERT_EQ(got.sizes(), (at::IntArrayRef{s.Q, 3}));
@@ -107,7 +103,7 @@ TEST_P(QueryDecoderInference, IsItsFormula) {
 }
 
 TEST_P(QueryDecoderInference, InBfloat16IsTheFormulaWithRoundedOperands) {
-  for (const Sizes& s : kSizes) {
+  for (const DecoderSizes& s : kDecoderSizes) {
     if (s.C < 16) continue;
     Case c(s, 10, 4);
     c.weights = test::in_bf16(c.weights);
@@ -167,39 +163,41 @@ TEST_P(QueryDecoderInference, RefusesBadInput) {
     change(c);
     return test::throws_saying([&] { infer(c); }, words);
   };
-  EXPECT_TRUE(refused([](Case& c) { c.attributes = floats({4, 8}, 1); }, "point.hidden"));
-  EXPECT_TRUE(refused([](Case& c) { c.attributes = floats({3, 9}, 1); }, "position must be"));
+  EXPECT_TRUE(refused([](Case& c) { c.attributes = test::floats({4, 8}, 1); }, "point.hidden"));
+  EXPECT_TRUE(refused([](Case& c) { c.attributes = test::floats({3, 9}, 1); }, "position must be"));
   EXPECT_TRUE(refused(
       [](Case& c) {
         c.near.anchor = test::uniform({6, 3}, 15);
       },
       "neighbour_table()"));
   EXPECT_TRUE(refused([](Case& c) { c.near.index = c.near.index[0]; }, "[Q, K] int64"));
-  EXPECT_TRUE(refused([](Case& c) { c.near.normal = floats({4, 3}, 1); }, "go together"));
+  EXPECT_TRUE(refused([](Case& c) { c.near.normal = test::floats({4, 3}, 1); }, "go together"));
   EXPECT_TRUE(refused(
       [](Case& c) {
-        c.near.normal = floats({4, 3}, 1);
-        c.near.anchor_normal = floats({4, 3}, 1);
+        c.near.normal = test::floats({4, 3}, 1);
+        c.near.anchor_normal = test::floats({4, 3}, 1);
       },
       "anchor_normal must be"));
   EXPECT_TRUE(refused(
       [](Case& c) {
-        c.near.normal = floats({4, 3}, 1);
-        c.near.anchor_normal = floats({5, 3}, 1);
+        c.near.normal = test::floats({4, 3}, 1);
+        c.near.anchor_normal = test::floats({5, 3}, 1);
       },
       "gamma.hidden must be [outputs, 6]"));
   EXPECT_TRUE(
       refused([](Case& c) { c.near.index = c.near.index.narrow(1, 0, 0); }, "no neighbours"));
   EXPECT_TRUE(refused(
       [](Case& c) {
-        c.weights.layers[0].query.weight = floats({20, 19}, 1);
+        c.weights.layers[0].query.weight = test::floats({20, 19}, 1);
       },
       "query"));
-  EXPECT_TRUE(refused([](Case& c) { c.weights.layers[1].norm2.gain = floats({19}, 1); }, "norm2"));
-  EXPECT_TRUE(refused([](Case& c) { c.weights.head.output.bias = floats({2}, 1); }, "head.output"));
+  EXPECT_TRUE(
+      refused([](Case& c) { c.weights.layers[1].norm2.gain = test::floats({19}, 1); }, "norm2"));
+  EXPECT_TRUE(
+      refused([](Case& c) { c.weights.head.output.bias = test::floats({2}, 1); }, "head.output"));
   EXPECT_TRUE(refused(
       [](Case& c) {
-        c.weights.gamma.hidden.weight = floats({30, 3}, 1).to(at::kBFloat16);
+        c.weights.gamma.hidden.weight = test::floats({30, 3}, 1).to(at::kBFloat16);
       },
       "gamma.hidden"));
   EXPECT_TRUE(refused([](Case& c) { c.weights.layers.pop_back(); }, "layers have"));
@@ -258,9 +256,9 @@ TEST(PackedDecoder, RefusesOtherSizes) {
   };
   EXPECT_TRUE(refused(deeper, deeper.attributes));
   EXPECT_TRUE(refused(facing, facing.attributes));
-  EXPECT_TRUE(refused(c, floats({5, 8}, 1)));
+  EXPECT_TRUE(refused(c, test::floats({5, 8}, 1)));
   DecoderWeights wrong = c.weights;
-  wrong.norm.gain = floats({31}, 2);
+  wrong.norm.gain = test::floats({31}, 2);
   EXPECT_TRUE(test::throws_saying([&] { pack_decoder(wrong); }, "norm"));
 }
 

@@ -8,26 +8,19 @@
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/scene/sampler.h"
+#include "tests/support/mean.h"
 #include "tests/support/room.h"
 
 namespace lte::pathtrace {
 namespace {
+
+using test::Mean;
 
 using test::Room;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 double channel_mean(const Rgb& value) { return (value.x + value.y + value.z) / 3; }
-
-/// Mean and its standard error over independent values.
-struct Mean {
-  int count = 0;
-  double sum = 0, squares = 0;
-  void add(double value) { ++count, sum += value, squares += value * value; }
-  double value() const { return sum / count; }
-  double variance() const { return (squares - sum * sum / count) / (count - 1); }
-  double error() const { return std::sqrt(variance() / count); }
-};
 
 /// A lamp that shines onto a small patch of the ceiling: most paths bring little, a few much. The
 /// skew is what stopping early feeds on.

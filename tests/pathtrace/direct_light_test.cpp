@@ -12,10 +12,13 @@
 #include "lte/base/parallel.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/every_light.h"
+#include "tests/support/mean.h"
 #include "tests/support/room.h"
 
 namespace lte::pathtrace {
 namespace {
+
+using test::Mean;
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -28,16 +31,6 @@ struct Points {
   std::vector<uint64_t> streams{0, 1, 2, 3, 4, 5};
 
   DirectPoints all() const { return {positions, normals, streams}; }
-};
-
-/// Mean and its standard error of the red channel.
-struct Mean {
-  int count = 0;
-  double sum = 0, squares = 0;
-  void add(double value) { ++count, sum += value, squares += value * value; }
-  double value() const { return sum / count; }
-  double variance() const { return std::max(0.0, squares - sum * sum / count) / (count - 1); }
-  double error() const { return std::sqrt(variance() / count); }
 };
 
 TEST(DirectLight, OfARectangleIsItsClosedForm) {

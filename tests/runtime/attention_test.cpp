@@ -13,14 +13,12 @@
 
 #include "lte/nn/model_file.h"
 #include "tests/nn/support.h"
+#include "tests/runtime/spans.h"
 
 namespace lte::runtime {
 namespace {
 
-template <typename T>
-std::span<const T> span(const at::Tensor& t) {
-  return {static_cast<const T*>(t.const_data_ptr()), static_cast<size_t>(t.size(0))};
-}
+using test::span;
 
 /// A box of random points under random weights.
 class Inside : public testing::Test {

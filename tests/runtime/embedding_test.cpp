@@ -19,10 +19,13 @@
 #include "lte/runtime/device.h"
 #include "lte/runtime/torch_parts.h"
 #include "tests/nn/support.h"
+#include "tests/runtime/spans.h"
 #include "tests/support/message_of.h"
 
 namespace lte::runtime {
 namespace {
+
+using test::span;
 
 using test::message_of;
 using testing::AllOf;
@@ -39,11 +42,6 @@ Network tiny_network(const nn::ModelConfig& config = test::tiny_config()) {
   Network network(path);
   std::filesystem::remove(path);
   return network;
-}
-
-template <typename T>
-std::span<const T> span(const at::Tensor& t) {
-  return {static_cast<const T*>(t.const_data_ptr()), static_cast<size_t>(t.size(0))};
 }
 
 ScenePoints arrays(const nn::PointSet& p) {

@@ -5,14 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/scene/expect.h"
 #include "tests/support/scenes.h"
 
 namespace lte::scene {
 namespace {
 
-void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-6f) {
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "component " << c;
-}
+using test::expect_near;
 
 /// The direction that a texel stands for: x along U, y up the picture.
 Vec3 direction_of(int r, int g, int b, float scale = 1) {

@@ -6,14 +6,13 @@
 
 #include "lte/scene/scene.h"
 #include "lte/scene/texel_densities.h"
+#include "tests/scene/expect.h"
 #include "tests/support/scenes.h"
 
 namespace lte::scene {
 namespace {
 
-void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-6f) {
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "component " << c;
-}
+using test::expect_near;
 
 /// A unit square in the xy plane, front +z, with UV (x, y), and a 2x2 texture as base color or
 /// emission.

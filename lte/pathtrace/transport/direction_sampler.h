@@ -26,7 +26,9 @@ struct CosineDirections {};
 template <typename Sampler>
 concept DirectionSampler = std::same_as<Sampler, CosineDirections> ||
     requires(const Sampler& sampler, int32_t vertex, const Vec3& vector, const Vec2& u) {
-  { sampler.vertex(/*depth=*/1, /*path=*/vertex, /*position=*/vector, /*side=*/vector) } -> std::same_as<int32_t>;
+  {
+    sampler.vertex(/*depth=*/1, /*path=*/vertex, /*position=*/vector, /*side=*/vector)
+    } -> std::same_as<int32_t>;
   { sampler.sample(vertex, /*normal=*/vector, u) } -> std::same_as<Vec3>;
   { sampler.pdf(vertex, /*cosine=*/1.0f, /*direction=*/vector) } -> std::same_as<float>;
 };
