@@ -44,7 +44,7 @@ image::Image by_renderer(const scene::Scene& scene, const runtime::Network* netw
   return renderer.render(camera(), settings).color;
 }
 
-double mean_of(const image::Image& image) {
+double mean_of_picture(const image::Image& image) {
   double sum = 0;
   for (const float value : image.pixels) sum += value;
   return sum / static_cast<double>(image.pixels.size());
@@ -55,9 +55,9 @@ void expect_same(const image::Image& a, const image::Image& b) {
   ASSERT_EQ(a.pixels.size(), b.pixels.size());
   double off = 0;
   for (size_t i = 0; i < a.pixels.size(); ++i) off += std::abs(a.pixels[i] - b.pixels[i]);
-  const double mean = mean_of(b);
+  const double mean = mean_of_picture(b);
   EXPECT_GT(mean, 0);
-  EXPECT_NEAR(mean_of(a), mean, 0.03 * mean);
+  EXPECT_NEAR(mean_of_picture(a), mean, 0.03 * mean);
   EXPECT_LT(off / static_cast<double>(a.pixels.size()), 0.2 * mean);
 }
 
@@ -97,8 +97,8 @@ TEST(GatheredSession, ADimmedLampTracesNothingAndItsLightFollows) {
   for (const double gain : {0.25, 2.0, 0.0}) {
     session.apply(SetLight{0, gain, {}});
     ASSERT_TRUE(sums.fits(*session.state()));
-    const double whole = mean_of(session.state()->render(camera(), settings).color);
-    EXPECT_NEAR(mean_of(sums.color(*session.state())), whole, 0.03 * whole) << gain;
+    const double whole = mean_of_picture(session.state()->render(camera(), settings).color);
+    EXPECT_NEAR(mean_of_picture(sums.color(*session.state())), whole, 0.03 * whole) << gain;
   }
 }
 
