@@ -21,7 +21,6 @@ install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/lte COMPONENT de
 install(DIRECTORY assets/models DESTINATION ${CMAKE_INSTALL_DATADIR}/lte/assets COMPONENT models)
 install(DIRECTORY assets/data DESTINATION ${CMAKE_INSTALL_DATADIR}/lte/assets COMPONENT network)
 install(DIRECTORY assets/scenes/outside DESTINATION ${CMAKE_INSTALL_DATADIR}/lte/assets/scenes COMPONENT network)
-install(PROGRAMS scripts/lte.sh DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools RENAME lte)
 install(EXPORT lteTargets NAMESPACE lte:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte COMPONENT dev)
 configure_package_config_file(cmake/lteConfig.cmake.in ${PROJECT_BINARY_DIR}/lteConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte)

@@ -31,9 +31,9 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME lte)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/triggers)
 set(CPACK_COMPONENT_TOOLS_DESCRIPTION
-"lte_render, lte_probe, lte_view and lte_datagen read glTF, PBRT, OBJ and PLY
-scenes, and make pictures and irradiance at points by gathered light and by
-path tracing; liblte_c_api has the same for C programs.")
+"The program lte reads glTF, PBRT, OBJ and PLY scenes, and makes pictures, light
+maps and irradiance at points by gathered light and by path tracing;
+liblte_c_api has pictures and points for C programs.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME lte-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
@@ -57,24 +57,21 @@ if(NOT lte_commit_date)
 endif()
 configure_file(cmake/debian/changelog.in ${PROJECT_BINARY_DIR}/changelog @ONLY)
 execute_process(COMMAND gzip -9nkf changelog WORKING_DIRECTORY ${PROJECT_BINARY_DIR})
+execute_process(COMMAND awk -f ${PROJECT_SOURCE_DIR}/cmake/notices.awk ${LTE_XATLAS}/xatlas.cpp
+                OUTPUT_VARIABLE lte_xatlas_notices ERROR_QUIET)
+configure_file(cmake/debian/copyright.in ${PROJECT_BINARY_DIR}/copyright @ONLY)
 foreach(component package IN ZIP_LISTS CPACK_COMPONENTS_ALL lte_debian_names)
-  install(FILES cmake/debian/copyright ${PROJECT_BINARY_DIR}/changelog.gz
+  install(FILES ${PROJECT_BINARY_DIR}/copyright ${PROJECT_BINARY_DIR}/changelog.gz
           DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} COMPONENT ${component})
 endforeach()
-# Man pages and completion, from what the tools say about themselves.
+# Man pages and completion, from what the program says about itself.
 find_package(Python COMPONENTS Interpreter QUIET)
 if(Python_Interpreter_FOUND AND LTE_RELOCATABLE AND NOT SKBUILD)
-  set(lte_tools lte_render lte_view lte_probe lte_datagen)
-  if(TARGET lte_bake)
-    list(APPEND lte_tools lte_bake)
-  endif()
-  list(TRANSFORM lte_tools PREPEND "$<TARGET_FILE:" OUTPUT_VARIABLE lte_tool_files)
-  list(TRANSFORM lte_tool_files APPEND ">")
   add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/manual.stamp
     COMMAND ${Python_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/manual.py
-            ${PROJECT_BINARY_DIR}/manual ${lte_tool_files}
+            $<TARGET_FILE:lte_program> ${PROJECT_BINARY_DIR}/manual
     COMMAND ${CMAKE_COMMAND} -E touch ${PROJECT_BINARY_DIR}/manual.stamp
-    DEPENDS ${lte_tools} ${PROJECT_SOURCE_DIR}/scripts/manual.py VERBATIM)
+    DEPENDS lte_program ${PROJECT_SOURCE_DIR}/scripts/manual.py VERBATIM)
   add_custom_target(lte_manual ALL DEPENDS ${PROJECT_BINARY_DIR}/manual.stamp)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT tools)
 endif()

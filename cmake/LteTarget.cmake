@@ -79,13 +79,20 @@ function(lte_unite_folders target most)
   endif()
 endfunction()
 
-# lte_add_tool(NAME SOURCE DEPS ...): an executable in build/bin.
+# lte_add_tool(NAME SOURCE DEPS ...): an executable in build/bin. Its main, as NAME_main, is in
+# NAME_objects, which the program lte and the Python package link, too.
 function(lte_add_tool name source)
-  add_executable(${name} ${source})
+  add_library(${name}_objects OBJECT ${source})
   # A main parses its command line, which is CLI11's templates and no work.
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  target_link_libraries(${name} PRIVATE lte::warnings ${ARGN})
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+  target_compile_options(${name}_objects PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_definitions(${name}_objects PRIVATE main=${name}_main)
+  target_link_libraries(${name}_objects PUBLIC ${ARGN} PRIVATE lte::warnings)
+  add_executable(${name} ${PROJECT_SOURCE_DIR}/program/tool_main.cpp)
+  target_compile_definitions(${name} PRIVATE LTE_TOOL_MAIN=${name}_main)
+  target_link_libraries(${name} PRIVATE ${name}_objects lte::warnings)
+  # Packages have the program lte, and links of these names to it.
+  set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ${LTE_RELOCATABLE})
+  set_property(GLOBAL APPEND PROPERTY LTE_TOOLS ${name})
 endfunction()
 
 # lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...] [PCH TARGET] [OWN_WAITING]): one executable

@@ -7,6 +7,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:-release}
 shift || true
 scripts/setup.sh
+# ccache then takes files of another folder of lte, or of another build folder here, for the same.
+export CCACHE_BASEDIR=$PWD
 echo "build: preset $preset${1:+: $*}"
 cmake --preset "$preset" >/dev/null
 # A LibTorch file needs up to 1.5 GB while it compiles: as many jobs as there is memory for, at most

@@ -135,13 +135,17 @@ ALLOWED["bench/pareto"] = ALLOWED["bench"] + ["infer/eval/measure"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]
 
-# The Python module is thin over what the tools are thin over.
-ALLOWED["python/src"] = INFER + INFER_SHARED + ["infer/probe", "infer/render", "datagen/dataset"]
+# The program lte knows the tools by their mains alone. The Python module is thin over what the
+# tools are thin over.
+ALLOWED["program"] = ["lte/base", "infer/tool"]
+ALLOWED["python/src"] = INFER + INFER_SHARED + [
+    "infer/probe", "infer/render", "infer/bake", "lte/bake", "lte/bake/formats", "datagen/dataset",
+    "program"]
 
 NO_TORCH = ("lte/base/", "lte/cli/", "lte/report/", "lte/image/", "lte/scene/", "lte/pathtrace/",
             "lte/gi/", "lte/data/", "lte/radiosity/", "lte/render/", "lte/c_api/", "lte/c_api.h",
             "lte/c_render.h", "lte/embed/",
-            "datagen/", "infer/", "python/", "tests/infer/", "tests/c_api/")
+            "datagen/", "infer/", "program/", "python/", "tests/infer/", "tests/c_api/")
 # Memory on a GPU.
 TORCH_AFTER_ALL = ("tests/c_api/cuda_test.cpp",)
 # lte/runtime is the door: of its headers these are for what is LibTorch's itself.
@@ -201,7 +205,7 @@ def way_to_torch(file: pathlib.Path, root: pathlib.Path) -> str:
 
 
 def torch_violations(root: pathlib.Path):
-    for top in ("lte", "datagen", "infer", "python", "tests"):
+    for top in ("lte", "datagen", "infer", "program", "python", "tests"):
         for file in sorted(p for p in (root / top).rglob("*") if p.suffix in SUFFIXES):
             name = file.relative_to(root).as_posix()
             if is_torch_free(name) and (way := way_to_torch(file, root)):
@@ -210,7 +214,7 @@ def torch_violations(root: pathlib.Path):
 
 def violations(root: pathlib.Path):
     yield from torch_violations(root)
-    for top in ("lte", "datagen", "train", "infer", "bench", "python"):
+    for top in ("lte", "datagen", "train", "infer", "bench", "program", "python"):
         for file in sorted(p for p in (root / top).rglob("*") if p.suffix in SUFFIXES):
             name = file.relative_to(root).as_posix()
             if name == "lte/lte.h":

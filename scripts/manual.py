@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes man pages and bash completion of the tools, from what their --help says.
+"""Writes man pages and bash completion of the program lte, from what it says about itself.
 
-usage: scripts/manual.py OUT TOOL ...    # OUT/man/man1/*.1.gz, OUT/bash-completion/completions/*
+usage: scripts/manual.py LTE OUT    # OUT/man/man1/*.1.gz, OUT/bash-completion/completions/*
 """
 import gzip
 import pathlib
@@ -114,17 +114,18 @@ def completion(name, found, commands):
     return "\n".join(lines) + "\n"
 
 
-# `lte render` is completed as lte_render is; info is a command of lte_datagen.
+# `lte render` is completed as lte_render is; info is a command of lte_datagen, and demo is a scene.
 LTE_COMPLETION = """_lte() {
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W 'render view probe bake data info --help --version' -- "$2"))
+    COMPREPLY=($(compgen -W '@COMMANDS@ --help --version' -- "$2"))
     return
   fi
   local tool=lte_${COMP_WORDS[1]}
   case ${COMP_WORDS[1]} in
     data) tool=lte_datagen ;;
     info) tool=lte_datagen COMP_WORDS=(lte "${COMP_WORDS[@]}") COMP_CWORD=$((COMP_CWORD + 1)) ;;
+    demo) tool=lte_render ;;
   esac
   declare -F "_$tool" >/dev/null || _completion_loader "$tool" 2>/dev/null
   COMP_WORDS=("$tool" "${COMP_WORDS[@]:2}") COMP_CWORD=$((COMP_CWORD - 1))
@@ -132,17 +133,16 @@ LTE_COMPLETION = """_lte() {
 }
 complete -o default -F _lte lte
 """
+# Commands that are tools, where the names differ; those that are another tool's.
+TOOLS, WITHIN = {"data": "lte_datagen"}, ("info", "demo")
 
 
-def lte_page(version):
-    """Of the command that runs the tools."""
-    said = subprocess.run([pathlib.Path(__file__).with_name("lte.sh"), "--help"], check=True,
-                          capture_output=True, text=True).stdout.splitlines()
+def lte_page(version, lines, tools):
     return "\n".join([
         f'.TH LTE 1 "" "lte {version}" "User Commands"', ".SH NAME",
         "lte \\- global illumination of scenes", ".SH SYNOPSIS", ".B lte COMMAND ...",
-        ".SH COMMANDS", ".nf", *(troff(line.strip()) for line in said[1:]), ".fi", ".SH SEE ALSO",
-        "lte_render(1), lte_view(1), lte_probe(1), lte_bake(1), lte_datagen(1)", ""])
+        ".SH COMMANDS", ".nf", *map(troff, lines), ".fi", ".SH SEE ALSO",
+        ", ".join(f"{tool}(1)" for tool in tools), ""])
 
 
 def write_page(path, page):
@@ -150,24 +150,30 @@ def write_page(path, page):
         file.write(page.encode())
 
 
+def said(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
 def main():
-    if len(sys.argv) < 3 or sys.argv[1].startswith("-"):
+    if len(sys.argv) != 3 or sys.argv[1].startswith("-"):
         print(__doc__.strip().split("\n\n")[1], file=sys.stderr)
         return 2
-    out = pathlib.Path(sys.argv[1])
+    program, out = sys.argv[1], pathlib.Path(sys.argv[2])
     pages, words = out / "man" / "man1", out / "bash-completion" / "completions"
     for folder in (pages, words):
         folder.mkdir(parents=True, exist_ok=True)
-    for tool in map(pathlib.Path, sys.argv[2:]):
-        said = subprocess.run([tool, "--version"], check=True, capture_output=True, text=True)
-        found = read_help([tool])
-        commands = {option.names: read_help([tool, option.names])
+    version = said(program, "--version").split()[-1]
+    lines = [line.strip() for line in said(program, "--help").splitlines()[1:]]
+    names = [line.split()[1] for line in lines]
+    tools = {TOOLS.get(name, f"lte_{name}"): name for name in names if name not in WITHIN}
+    for tool, name in tools.items():
+        found = read_help([program, name])
+        commands = {option.names: read_help([program, name, option.names])
                     for option in found.sections.get("Subcommands", [])}
-        page = man_page(tool.name, said.stdout.split()[-1], found, commands)
-        write_page(pages / f"{tool.name}.1.gz", page)
-        (words / tool.name).write_text(completion(tool.name, found, commands))
-    write_page(pages / "lte.1.gz", lte_page(said.stdout.split()[-1]))
-    (words / "lte").write_text(LTE_COMPLETION)
+        write_page(pages / f"{tool}.1.gz", man_page(tool, version, found, commands))
+        (words / tool).write_text(completion(tool, found, commands))
+    write_page(pages / "lte.1.gz", lte_page(version, lines, tools))
+    (words / "lte").write_text(LTE_COMPLETION.replace("@COMMANDS@", " ".join(names)))
     return 0
 
 

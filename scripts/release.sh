@@ -15,11 +15,12 @@ case "${1:-}" in
 esac
 scripts/setup.sh --packages
 version=$(sed -n 's/^project(lte VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
-out=out/release build=out/release-build
-rm -rf "$out"
+out=out/release build=build-packages
+export CCACHE_BASEDIR=$PWD  # as scripts/build.sh
+rm -rf "$out" "$build/packages"
 mkdir -p "$out"
-cmake --preset no-torch -B "$build" -DLTE_RELOCATABLE=ON -DLTE_TESTS=OFF >/dev/null
-cmake --build "$build"
+cmake --preset packages >/dev/null
+cmake --build --preset packages
 (cd "$build" && cpack -B packages >/dev/null)
 mv "$build"/packages/*.deb "$build"/packages/*.tar.gz "$out/"
 if [ -n "$wheel" ]; then

@@ -5,7 +5,7 @@
 #   scripts/setup.sh            packages, LibTorch, Open Image Denoise, xatlas
 #   scripts/setup.sh --tests    and what tests need besides: PyPI's tensorboard, nanobind, pytest,
 #                               pyktx2, three.js
-#   scripts/setup.sh --packages the packages alone, for -DLTE_TORCH=OFF
+#   scripts/setup.sh --packages packages and xatlas alone, for -DLTE_TORCH=OFF
 #   LTE_SKIP_APT=1 ...          never touch the system's packages
 #   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
 set -euo pipefail
@@ -148,9 +148,9 @@ case "${1:-}" in
   *) fail "unknown argument $1 (see the head of scripts/setup.sh)" ;;
 esac
 if command -v dpkg-query >/dev/null; then install_packages; else say "packages: not Debian, see README for the list"; fi
+install_xatlas
 if [ -n "$packages_alone" ]; then say "done"; exit; fi
 install_torch
 install_oidn
-install_xatlas
 [ -z "$tests" ] || { install_tensorboard; install_python_package_needs; install_three; }
 say "done"

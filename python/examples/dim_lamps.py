@@ -7,6 +7,7 @@ is least squares with gains that are not negative.
     dim_lamps.py [SCENE] [--lux 300] [--rays 4096]
 """
 import argparse
+import sys
 
 import lte
 import numpy as np
@@ -33,7 +34,7 @@ parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("scene", nargs="?", help="by default a home of the generator")
 parser.add_argument("--lux", type=float, default=300)
 parser.add_argument("--rays", type=int, default=4096)
-options = parser.parse_args()
+options = parser.parse_args([] if hasattr(sys, "ps1") else None)  # none in notebooks
 
 scene = lte.load(options.scene) if options.scene else lte.generate_scene("boxes", seed=4)
 points, normals = scene.sample(4000, seed=1)

@@ -4,6 +4,7 @@
     first_picture.py [SCENE] [--size WxH] [--out room.png]
 """
 import argparse
+import sys
 
 import lte
 
@@ -11,7 +12,7 @@ parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("scene", nargs="?", default=lte.living_room)
 parser.add_argument("--size", default="640x480")
 parser.add_argument("--out", default="room.png")
-options = parser.parse_args()
+options = parser.parse_args([] if hasattr(sys, "ps1") else None)  # none in notebooks
 
 scene = lte.load(options.scene)
 size = tuple(map(int, options.size.split("x")))

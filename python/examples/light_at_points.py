@@ -4,6 +4,7 @@
     light_at_points.py [SCENE] [--points 2000] [--rays 1024]
 """
 import argparse
+import sys
 import time
 
 import lte
@@ -13,7 +14,7 @@ parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("scene", nargs="?", default=lte.living_room)
 parser.add_argument("--points", type=int, default=2000)
 parser.add_argument("--rays", type=int, default=1024)
-options = parser.parse_args()
+options = parser.parse_args([] if hasattr(sys, "ps1") else None)  # none in notebooks
 
 scene = lte.load(options.scene)
 points, normals = scene.sample(options.points, seed=1)

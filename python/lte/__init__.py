@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from lte import _lte
 from lte._arguments import Floats, Path, choice, number, path_text, surface, whole
@@ -24,9 +24,10 @@ from lte._lte import Error
 from lte.bridges import trimesh_scene
 
 __version__: str = _lte.__version__
-__all__ = ["Camera", "Error", "Light", "Picture", "Scene", "from_blender",
+__all__ = ["Camera", "Error", "Light", "LightMap", "Picture", "Scene", "bake", "from_blender",
            "from_mitsuba", "from_usd", "generate_dataset", "generate_scene", "irradiance",
-           "living_room", "load", "render", "set_threads", "set_verbose", "threads", "trace"]
+           "living_room", "load", "render", "set_threads", "set_verbose", "threads", "to_mitsuba",
+           "trace"]
 
 Integrator: TypeAlias = Literal["gather", "path"]
 
@@ -79,6 +80,26 @@ class Picture:
         """Writes a .png, exposed, or an .exr with all layers: the file that lte_render writes."""
         factor = None if exposure is None else number("exposure", exposure, 1e-30, 1e30)
         self._made.save(path_text(path), factor, number("ev", ev, -100, 100), str(tone))
+
+
+class LightMap:
+    """Light on a scene's surfaces as a texture, which bake() has made."""
+
+    #: What mask has: nothing, light of its own, light of neighbours, a place in the dark.
+    OUTSIDE, LIT, FILLED, DARK = range(4)
+
+    def __init__(self, made: Any) -> None:
+        self._made = made
+        self.irradiance: Floats = made.irradiance()  #: [H, W, 3], W/m²; row 0 is the top
+        self.layers: dict[str, Floats] = made.layers()  #: that irradiance is the sum of
+        self.mask: NDArray[np.uint8] = made.mask()  #: [H, W]
+        self.expected_error: float = made.expected_error  #: relative
+        self.texels_per_metre: float = made.texels_per_metre
+
+    def save(self, folder: Path, *, format: str = "gltf", three: Path = "") -> None:
+        """Writes the folder that lte_bake writes. The format three needs three.js, a file."""
+        self._made.save(path_text(folder), choice("format", format, *_lte.bake_formats()),
+                        path_text(three))
 
 
 class Scene:
@@ -163,6 +184,17 @@ def from_mitsuba(scene: Any, **options: Any) -> Scene:
     return mitsuba_scene.load(scene, **options)  # type: ignore[no-any-return]
 
 
+def to_mitsuba(scene: Scene) -> dict[str, Any]:
+    """The scene for mitsuba.load_dict(): shapes, lamps, sky, cameras; an integrator goes beside.
+
+    Needs Mitsuba, in an RGB variant; chooses scalar_rgb if none is set. What Mitsuba has otherwise
+    is a warning: normal maps, pictures of roughness, ranges of lamps. A metal's masking is
+    Mitsuba's.
+    """
+    from lte.bridges import to_mitsuba as bridge
+    return bridge.export(_checked(scene))
+
+
 def from_usd(stage: Any, **options: Any) -> Scene:
     """A stage of USD, as a file or opened, in metres and with Y up. Options as of load().
 
@@ -237,6 +269,28 @@ def trace(scene: Scene, points: ArrayLike, normals: ArrayLike, *, rays: int = 10
                  found["standard_error"])
 
 
+def bake(scene: Scene, *, texels_per_metre: float = 32, size: int | None = None,
+         keep_uvs: bool = False, include: Literal["full", "indirect"] = "full",
+         by_light: bool = False, integrator: Integrator = "gather",
+         quality: Literal["draft", "preview", "final"] = "preview", time: float | None = None,
+         error: float | None = None, probes: str = "", depth: int = 5, seed: int = 0) -> LightMap:
+    """A light map, the one that lte_bake makes with flags of these names.
+
+    `size` is the edge of the picture, in the place of texels_per_metre. `time` is in seconds.
+    `by_light` makes a layer of each lamp. `probes` are "auto" or "8x4x8", and are saved beside.
+    """
+    made = _made(scene)
+    if not hasattr(_lte, "bake"):
+        raise Error("bake: this package is built without xatlas")
+    return LightMap(_lte.bake(
+        made, number("texels_per_metre", texels_per_metre, 1e-6, 1e6),
+        0 if size is None else whole("size", size, 16, 16384), bool(keep_uvs),
+        choice("include", include, "full", "indirect"), bool(by_light), _integrator(integrator),
+        str(quality), 0 if time is None else number("time", time, 1e-6, 1e9),
+        0 if error is None else number("error", error, 1e-6, 1e6), str(probes), _depth(depth),
+        _seed(seed)))
+
+
 def generate_scene(generator: Literal["boxes", "homes", "wild"] = "homes", *,
                    seed: int = 1) -> Scene:
     """A procedural scene with furniture and lamps."""
@@ -268,10 +322,14 @@ def set_verbose(verbose: bool) -> None:
     _lte.set_verbose(bool(verbose))
 
 
-def _made(scene: Scene) -> Any:
+def _checked(scene: Scene) -> Scene:
     if not isinstance(scene, Scene):
         raise TypeError(f"scene: expected lte.Scene, got {type(scene).__name__}")
-    return scene._made
+    return scene
+
+
+def _made(scene: Scene) -> Any:
+    return _checked(scene)._made
 
 
 def _integrator(word: str) -> str:

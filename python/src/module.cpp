@@ -3,10 +3,13 @@
 #include "python/src/module.h"
 
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/base/version.h"
+
+#include "program/commands.h"
 
 NB_MODULE(_lte, m) {
   using namespace lte;  // NOLINT(google-build-using-namespace)
@@ -22,5 +25,14 @@ NB_MODULE(_lte, m) {
   python::bind_scene(m);
   python::bind_picture(m);
   python::bind_light(m);
-  python::bind_tools(m);
+#ifdef LTE_HAS_BAKE
+  python::bind_bake(m);
+#endif
+  m.def("run_command", [](std::vector<std::string> words) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const nanobind::gil_scoped_release unlocked;
+    return run_command(static_cast<int>(words.size()), arguments.data());
+  });
 }

@@ -122,6 +122,6 @@ auto interruptible(const Work& work) {
 void bind_scene(nb::module_& m);
 void bind_picture(nb::module_& m);
 void bind_light(nb::module_& m);
-void bind_tools(nb::module_& m);
+void bind_bake(nb::module_& m);
 
 }  // namespace lte::python

@@ -1,4 +1,7 @@
 // Scenes: from files, from generators, and points on their surfaces.
+#include <algorithm>
+#include <cmath>
+
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -101,6 +104,31 @@ std::tuple<std::vector<float>, std::vector<float>> bounds(const Scene& self) {
   return {{box.low.x, box.low.y, box.low.z}, {box.high.x, box.high.y, box.high.z}};
 }
 
+/// The environment, [H, W, 3] by longitude and latitude (1 x 1 of a constant one), and the axes of
+/// its frame; None where there is none.
+nb::object sky(const Scene& self) {
+  const std::optional<scene::Environment>& environment = self.scene().environment;
+  if (!environment) return nb::none();
+  const scene::EnvironmentMap* const map = environment->map.get();
+  const bool as_it_is = map == nullptr || map->mapping() == scene::SphereMapping::Equirectangular;
+  const int width = map == nullptr ? 1 : as_it_is ? map->width() : std::min(4 * map->width(), 8192);
+  const int height = map == nullptr ? 1 : as_it_is ? map->height() : width / 2;
+  std::vector<Rgb> texels;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double theta = (y + 0.5) / height * M_PI, phi = ((x + 0.5) / width - 0.5) * 2 * M_PI;
+      const Vec3 local{static_cast<float>(std::sin(theta) * std::cos(phi)),
+                       static_cast<float>(std::cos(theta)),
+                       static_cast<float>(std::sin(theta) * std::sin(phi))};
+      texels.push_back(environment->radiance_from(environment->to_world(local)));
+    }
+  }
+  const auto* first = reinterpret_cast<const float*>(texels.data());
+  Array picture = array_of({first, first + 3 * texels.size()},
+                           {static_cast<size_t>(height), static_cast<size_t>(width), 3});
+  return nb::make_tuple(std::move(picture), array_of(environment->axes));
+}
+
 std::vector<std::string> camera_names(const Scene& self) {
   std::vector<std::string> names;
   for (const scene::Camera& camera : self.scene().cameras) names.push_back(camera.name);
@@ -118,6 +146,7 @@ void bind_scene(nb::module_& m) {
       .def_prop_ro("cameras", &camera_names)
       .def_prop_ro("ignored", [](const Scene& self) { return self.scene().ignored; })
       .def("sample", &sample)
+      .def("sky", &sky)
       .def("save", [](const Scene& self, const std::string& path) {
         const nb::gil_scoped_release unlocked;
         scene::write_glb(path, self.scene());

@@ -70,4 +70,5 @@ def tool():
     def run(name, *words):
         subprocess.run([pathlib.Path(folder) / name, *map(str, words), "--quiet"], check=True)
 
+    run.folder = pathlib.Path(folder).resolve()
     return run

@@ -105,6 +105,49 @@ def test_mitsuba_has_the_same_light(mi, kind):
     assert (np.abs(residual) < 3).mean() > 0.97
 
 
+def ours(kind, tmp_path):
+    """Scenes of lte's own."""
+    if kind == "sky":
+        return lte.load(lte.living_room, environment="2,1,0.5")
+    if kind == "picture of a sky":
+        import mitsuba as mi
+        sky = np.random.default_rng(1).random((16, 32, 3)).astype(np.float32) ** 4
+        mi.Bitmap(sky).write(str(tmp_path / "sky.exr"))
+        return lte.load(lte.living_room, environment=tmp_path / "sky.exr", environment_turn=50)
+    return lte.load(lte.living_room) if kind == "living room" else lte.generate_scene(kind, seed=4)
+
+
+@pytest.mark.parametrize("kind", ["living room", "boxes", "homes", "wild", "sky",
+                                  "picture of a sky"])
+def test_scenes_of_ours_have_the_same_light_in_mitsuba(mi, tmp_path, kind):
+    from validate_against_mitsuba import mitsuba_irradiance
+    scene, samples = ours(kind, tmp_path), 1024
+    at, side = scene.sample(200, seed=5)
+    found = lte.trace(scene, at, side, rays=samples, depth=5, seed=9)
+    _, theirs = mitsuba_irradiance(mi, mi.load_dict(lte.to_mitsuba(scene)), at + 1e-4 * side, side,
+                                   5, samples, 3)
+    error = np.sqrt(found.standard_error ** 2 + theirs.variance())
+    lit = error.mean(1) > 1e-6
+    residual = (found.total - theirs.mean()).mean(1)[lit] / error.mean(1)[lit]
+    total = theirs.mean().sum()
+    bias, of_bias = (found.total.sum() - total) / total, np.sqrt((error.sum(1) ** 2).sum()) / total
+    assert (np.abs(residual) < 3).mean() > 0.97
+    assert abs(bias) < max(3 * of_bias, 0.004)
+
+
+def test_mitsuba_gives_back_what_it_got(mi, tmp_path):
+    """Lamps, sky, textures, cameras and vertices, there and back."""
+    before = lte.from_mitsuba({**box(mi, **things(mi)), **lamps(mi, "spot"), **lamps(mi, "envmap"),
+                               "eye": {"type": "perspective", "fov": 50}})
+    after = lte.from_mitsuba(lte.to_mitsuba(before))
+    assert after.triangles == before.triangles and len(after.cameras) == len(before.cameras)
+    assert len(after.lights) == len(before.lights)
+    at, side = before.sample(100, seed=2)
+    a, b = (lte.trace(scene, at, side, rays=1024) for scene in (before, after))
+    error = np.hypot(a.standard_error, b.standard_error)
+    assert (np.abs(a.total - b.total) < 4 * error + 0.01 * a.total.mean()).mean() > 0.97
+
+
 def test_metal_of_mitsuba_is_near(mi):
     """Masking and Fresnel differ in their formulas."""
     metal = {"type": "roughconductor", "distribution": "ggx", "material": "Al", "alpha": 0.3}

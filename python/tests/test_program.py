@@ -43,6 +43,33 @@ def test_a_network_is_there_or_refused_in_one_line(room_file):
         assert "no network" in ended.stderr
 
 
+def test_a_tool_that_needs_torch_says_so():
+    for name in ("train", "eval", "export", "bench"):
+        ended = run(name, "--help")
+        assert ended.returncode == 1 and ended.stderr.count("\n") == 1
+        assert f"{name} needs LibTorch" in ended.stderr
+        assert f"lte {name}" not in run("--help").stdout
+
+
+def test_demo_is_a_picture(tmp_path):
+    words = ["--quality", "draft", "--size", "32x24", "--quiet"]
+    ended = run("demo", *words, "--out", tmp_path / "demo.png")
+    assert ended.returncode == 0, ended.stderr
+    assert run("render", lte.living_room, *words, "--out", tmp_path / "room.png").returncode == 0
+    assert (tmp_path / "demo.png").read_bytes() == (tmp_path / "room.png").read_bytes()
+
+
+def test_links_to_the_program_are_tools(tmp_path, tool):
+    program = tool.folder / "lte"
+    (tmp_path / "lte_probe").symlink_to(program)
+    said = [subprocess.run(words, text=True, capture_output=True, check=True).stdout
+            for words in ([program, "probe", "--help"], [tmp_path / "lte_probe", "--help"],
+                          [tool.folder / "lte_probe", "--help"])]
+    assert said[0] == said[1] == said[2] and "--points" in said[0]
+    assert f"lte {lte.__version__}\n" == subprocess.run(
+        [program, "--version"], text=True, capture_output=True, check=True).stdout
+
+
 def test_info_and_data(room_file, tmp_path):
     assert "name: room\n" in run("info", room_file).stdout
     assert "generate" in run("data", "--help").stdout

@@ -4,8 +4,8 @@
 #
 # usage: scripts/dev/wheel.sh [--try] [PYTHON ...]
 #
-# PYTHON  interpreters to build for, with headers; python3 by default. From 3.12 on the wheel is
-#         abi3's, which later versions of Python take too
+# PYTHON  interpreters to build for, with headers; by default Python 3.11, and the newest from 3.12
+#         on that is found: its wheel is abi3's, which all of these take
 # --try   also installs each wheel, offline, into a fresh environment that has nothing else, times
 #         the first picture, and passes python/tests
 #
@@ -19,10 +19,31 @@ case "${1:-}" in
   --help | -h) sed -n '2,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
   -*) echo "wheel: unknown argument $1; see --help" >&2; exit 2 ;;
 esac
-[ $# -gt 0 ] || set -- python3
-# By the compiler's plain name, as other builds have it: ccache then knows most of the files.
-export CC=${CC:-cc} CXX=${CXX:-c++}
+# By the compiler's plain name, and relative to the sources: ccache then knows most of the files from
+# other builds.
+export CC=${CC:-cc} CXX=${CXX:-c++} CCACHE_BASEDIR=$root
 fail() { echo "wheel: $*" >&2; exit 1; }
+
+# Of Python 3.11, then of a later one: on the PATH, or of a version manager.
+find_pythons() {
+  local versions=(3.11 3.14 3.13 3.12) version python later=
+  for version in "${versions[@]}"; do
+    [ -z "$later" ] || break
+    for python in "/usr/bin/python$version" "$(command -v "python$version" || true)" \
+      "${PYENV_ROOT:-$HOME/.pyenv}/versions/$version".*/bin/python3; do
+      "$python" -c 'import pathlib, sys, sysconfig
+sys.exit(not (pathlib.Path(sysconfig.get_path("include")) / "Python.h").exists())' 2>/dev/null ||
+        continue
+      echo "$python"
+      [ "$version" = 3.11 ] || later=1
+      break
+    done
+  done
+  [ -n "$later" ] || echo "wheel: no Python from 3.12 on with headers: no wheel of its stable ABI" >&2
+}
+[ $# -gt 0 ] || mapfile -t pythons < <(find_pythons)
+[ $# -eq 0 ] || pythons=("$@")
+[ ${#pythons[@]} -gt 0 ] || fail "no Python 3.11 or later with headers (python3-dev)"
 
 # Licenses of what is compiled in, and of each library that auditwheel has added, as Debian states
 # them.
@@ -32,6 +53,7 @@ add_licenses() {  # RAW_WHEEL UNPACKED TOOLS
   mkdir -p "$licenses"
   cp LICENSE "$licenses/"
   cp "$3"/lib/python3*/site-packages/nanobind-*.dist-info/licenses/LICENSE "$licenses/nanobind.txt"
+  awk -f cmake/notices.awk .venv/xatlas/xatlas.cpp >"$licenses/xatlas.txt"
   python -m zipfile -e "$1" "$out/raw/files"
   {
     printf '%s\n' libboost1.74-dev libcli11-dev libdraco-dev libflann-dev libstb-dev nlohmann-json3-dev
@@ -66,7 +88,7 @@ check_wheel() {  # WHEEL UNPACKED
 make_wheel() {  # PYTHON; sets `wheel`
   local version tools raw
   version=$("$1" -c 'import sys; print(f"cp{sys.version_info[0]}{sys.version_info[1]}")')
-  tools=$root/build-wheel/tools-$version
+  tools=$root/.venv/wheel-$version
   if [ ! -x "$tools/bin/auditwheel" ]; then
     "$1" -m venv "$tools"
     "$tools/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=1.1,<2' \
@@ -77,7 +99,7 @@ make_wheel() {  # PYTHON; sets `wheel`
   mkdir -p "$out/raw" "$out/unpacked"
   # One folder for all: but for the module's own files, objects do not depend on Python.
   pip wheel -q --disable-pip-version-check ./python --no-deps --no-build-isolation \
-    --config-settings build-dir="$root/build-wheel/objects" \
+    --config-settings build-dir="$root/build-wheel" \
     --config-settings cmake.args="-Unanobind_DIR;-UPython_*;-U_Python_*" -w "$out/raw"
   raw=$(echo "$out"/raw/*.whl)
   auditwheel repair --plat manylinux_2_34_x86_64 "$raw" -w "$out/raw/repaired" \
@@ -115,7 +137,7 @@ lte.render(lte.load(lte.living_room), size=(320, 240), quality="preview").save("
 }
 
 rm -rf "$out"
-for python in "$@"; do
+for python in "${pythons[@]}"; do
   make_wheel "$python"
   [ -z "$try" ] || try_wheel "$python"
 done

@@ -183,21 +183,25 @@ def _add_emitter(mi: Any, glb: Glb, emitter: Any, folder: pathlib.Path) -> str:
 
 
 def _spot(emitter: Any, values: dict[str, Any]) -> tuple[NDArray[np.float64], dict[str, Any]]:
-    """Intensity, and where, for Glb.light().
-
-    Mitsuba's light falls linearly by the angle, glTF's by the square of the cosine: between the
-    two cones light differs, the sum is the same.
-    """
+    """Intensity, and where, for Glb.light()."""
     full, none = (float(re.search(rf"{key} = \[?([-\d.e]+)", str(emitter)).group(1))  # type: ignore
                   for key in ("beam_width", "cutoff_angle"))
+    place = _matrix(values["to_world"])
+    return _triple(values["intensity.value"]) * spot_share(full, none), {
+        "at": place[:3, 3], "to": place[:3, 2], "cones": (min(full, none - 1e-4), none)}
+
+
+def spot_share(full: float, none: float) -> float:
+    """What a spot of Mitsuba sends out over what one of glTF does with the same two cones.
+
+    Mitsuba's light falls linearly by the angle, glTF's by the square of the cosine: between the
+    cones light differs, the sum can be the same.
+    """
     angle = (np.arange(4096) + 0.5) / 4096 * none
     theirs = np.clip((none - angle) / max(none - full, 1e-6), 0, 1)
     full = min(full, none - 1e-4)
     ours = np.clip((np.cos(angle) - np.cos(none)) / (np.cos(full) - np.cos(none)), 0, 1) ** 2
-    share = (theirs * np.sin(angle)).sum() / (ours * np.sin(angle)).sum()
-    place = _matrix(values["to_world"])
-    return _triple(values["intensity.value"]) * share, {
-        "at": place[:3, 3], "to": place[:3, 2], "cones": (full, none)}
+    return float((theirs * np.sin(angle)).sum() / (ours * np.sin(angle)).sum())
 
 
 def _sky(values: dict[str, Any]) -> NDArray[np.float32]:

@@ -1,0 +1,161 @@
+#include "infer/bake/bake_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "infer/bake/bake_layers.h"
+#include "infer/tool/assets.h"
+#include "lte/bake/bake.h"
+#include "lte/bake/formats/formats.h"
+#include "lte/bake/formats/probe_files.h"
+#include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "lte/base/timer.h"
+#include "lte/cli/progress.h"
+#include "lte/embed/untrained_light.h"
+#include "lte/scene/light_points.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::infer {
+namespace {
+
+/// Bytes a texel beside those of its layers: fragments, places, neighbours, samples and means.
+constexpr double kTexelBytes = 560, kLayerBytes = 36;
+/// A light map less even than that in an EXR: of pixels, how many are texels.
+constexpr double kAtlasUse = 0.7;
+
+/// @throws runtime::NotEnoughMemory before any of it is taken
+void check_memory(const BakeRequest& request, const scene::Scene& scene,
+                  const runtime::MemoryLimit& memory) {
+  const double texels =
+      request.atlas.size > 0
+          ? std::pow(static_cast<double>(request.atlas.size), 2) * kAtlasUse
+          : scene::surface_area(scene) * std::pow(request.atlas.texels_per_metre, 2);
+  const double layers =
+      request.by_light ? static_cast<double>(std::max<size_t>(1, scene.light_groups.size())) : 1;
+  memory.check_ahead(
+      texels / kAtlasUse * (kTexelBytes + layers * kLayerBytes) / (1 << 20),
+      concat("a light map of about ", static_cast<int64_t>(texels), " texels and ", layers,
+             layers == 1 ? " layer" : " layers"),
+      request.by_light
+          ? "bake without --by-light, or with fewer texels (--texels-per-metre, --size)"
+          : "take fewer texels (--texels-per-metre, --size)");
+}
+
+std::optional<runtime::Network> load_network(const BakeRequest& request, const Renderer& renderer) {
+  if (!request.needs_network()) return std::nullopt;
+  runtime::Network network(checkpoint_or_shipped(request.checkpoint),
+                           network_options(request.tool));
+  network.check_fits(max_component(scene::point_bounds(renderer.bvh().scene()).extent()),
+                     request.embedding.rescale);
+  return network;
+}
+
+/// The scene as the network reads it. Warns of light in it that the network does not know.
+EmbedSettings settings_for(const BakeRequest& request, const runtime::Network& network,
+                           const bake::Texels& texels, const Renderer& renderer) {
+  EmbedSettings settings = embed_settings(request.embedding, request.seed,
+                                          runtime::MemoryLimit(request.tool.max_memory_mb));
+  cull_lights(request.embedding, renderer.bvh(), network,
+              embed::SurfacePlaces{texels.position, texels.normal}, &settings);
+  const std::string note = embed::untrained_light_note(renderer.bvh().scene(), network.metadata(),
+                                                       settings.culled_lights);
+  if (!note.empty()) log_warning(note);
+  return settings;
+}
+
+void write_gltf(const bake::Lightmap& map, FileSet* files) {
+  files->write("lightmap.exr",
+               [&](const std::filesystem::path& path) { bake::write_lightmap_exr(path, map); });
+  files->write("lightmap.json", [&](const std::filesystem::path& path) {
+    bake::write_lightmap_json(path, map, "lightmap.exr");
+  });
+  files->write("scene.glb",
+               [&](const std::filesystem::path& path) { bake::write_lightmap_glb(path, map); });
+  files->write("scene_unlit.glb",
+               [&](const std::filesystem::path& path) { bake::write_unlit_glb(path, map); });
+}
+
+std::optional<bake::ProbeVolume> probes_of(const BakeRequest& request, const Renderer& renderer) {
+  if (request.probes.empty()) return std::nullopt;
+  bake::ProbeOptions options;
+  options.max_depth = request.max_depth;
+  options.direct = request.include == "full";
+  options.seed = request.seed;
+  const bake::ProbeGrid grid = bake::parse_probe_grid(request.probes, renderer.bvh().bounds());
+  Progress progress("probes", grid.size(), "probes");
+  options.done = [&](int64_t count) { progress.advance(count); };
+  return bake::bake_probes(renderer.bvh(), renderer.lights(), grid, options);
+}
+
+void check_lit(const BakeRequest& request, const bake::Lightmap& map) {
+  const bool lit = std::find(map.mask.begin(), map.mask.end(),
+                             static_cast<uint8_t>(bake::Texel::Lit)) != map.mask.end();
+  LTE_CHECK(lit, request.scene, ": light reaches no texel, so there is nothing to bake");
+}
+
+}  // namespace
+
+std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* renderer) {
+  const Timer timer;
+  const scene::Scene& scene = renderer->bvh().scene();
+  LTE_CHECK(renderer->has_light(), request.scene,
+            ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
+  check_memory(request, scene, runtime::MemoryLimit(request.tool.max_memory_mb));
+  bake::Layout layout = bake::make_layout(scene, request.atlas);
+  log_info("atlas: ", layout.atlas.width, " x ", layout.atlas.height, ", ", layout.texels.size(),
+           " texels in ", layout.atlas.charts, " charts",
+           layout.atlas.kept_uvs ? ", the scene's own TEXCOORD_1" : "");
+  if (layout.atlas.lost_triangles > 0)
+    log_info(layout.atlas.lost_triangles, " triangles have no area and no texels");
+  if (request.validate_only) {
+    std::printf("%s: valid scene, %zu texels\n", request.scene.c_str(), layout.texels.size());
+    return std::nullopt;
+  }
+  const std::optional<runtime::Network> network = load_network(request, *renderer);
+  EmbedSettings settings;
+  if (network) settings = settings_for(request, *network, layout.texels, *renderer);
+  std::vector<bake::BakedLayer> layers = bake_layers(request, network ? &*network : nullptr,
+                                                     settings, layout, timer.seconds(), renderer);
+  bake::Provenance provenance;
+  provenance.source = request.scene;
+  provenance.integrator = request.integrator;
+  if (network) provenance.model = checkpoint_or_shipped(request.checkpoint).filename().string();
+  provenance.include = request.include;
+  provenance.seed = request.seed;
+  for (const bake::BakedLayer& layer : layers)
+    provenance.expected_error = std::max(provenance.expected_error, layer.light.expected_error);
+  provenance.paths_per_texel = layers.front().light.paths;
+  BakedScene out;
+  out.map = bake::make_lightmap(renderer->bvh(), std::move(layout), std::move(layers),
+                                std::move(provenance), &out.seam_p99);
+  check_lit(request, out.map);
+  out.map.provenance.seconds = timer.seconds();
+  out.probes = probes_of(request, *renderer);
+  return out;
+}
+
+void write_baked(const BakedScene& baked, const std::string& format_name,
+                 const std::filesystem::path& three, const std::filesystem::path& folder) {
+  LTE_CHECK(three.empty() == (format_name != "three"),
+            "the format three and the file three.js as an ES module go together");
+  FileSet files(folder);
+  const auto formats = bake::engine_formats();
+  const auto format = std::find_if(formats.begin(), formats.end(), [&](const bake::Format& one) {
+    return one.name == format_name;
+  });
+  if (format == formats.end()) {
+    write_gltf(baked.map, &files);
+  } else {
+    bake::FormatOptions options;
+    options.three = three;
+    options.probes = baked.probes ? &*baked.probes : nullptr;
+    format->write(baked.map, options, &files);
+  }
+  if (baked.probes) bake::write_probes(*baked.probes, &files);
+  files.commit();
+}
+
+}  // namespace lte::infer

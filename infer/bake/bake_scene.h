@@ -1,0 +1,31 @@
+// What lte_bake computes of a scene and writes, without its command line.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "infer/bake/bake_command.h"
+#include "infer/renderer/renderer.h"
+#include "lte/bake/lightmap.h"
+#include "lte/bake/probes.h"
+
+namespace lte::infer {
+
+struct BakedScene {
+  bake::Lightmap map;
+  std::optional<bake::ProbeVolume> probes;  ///< where request.probes asks for them
+  double seam_p99 = 0;                      ///< bake::make_lightmap()
+};
+
+/// Lays out and lights the renderer's scene as the request's atlas, light and probes say.
+/// @return  nothing under validate_only, with which it stops at the layout
+/// @throws lte::Error where nothing shines or light reaches no texel, and as lte/bake does;
+///         runtime::NotEnoughMemory before any of it is taken
+std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* renderer);
+
+/// Writes the files of a format, "gltf" or one of bake::engine_formats(), all or none.
+void write_baked(const BakedScene& baked, const std::string& format,
+                 const std::filesystem::path& three, const std::filesystem::path& folder);
+
+}  // namespace lte::infer
