@@ -8,7 +8,8 @@
 namespace lte::experiments {
 namespace {
 
-TEST(RayGather, ItsMeansAreTheGathersOwn) {
+/// The gather aims some of its rays at bright places; these follow the cosine alone.
+TEST(RayGather, ItsMeansTendToTheGathersOwn) {
   const scene::Scene scene = test::hall_of_lamps();
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
@@ -19,18 +20,15 @@ TEST(RayGather, ItsMeansAreTheGathersOwn) {
   const std::span<const Vec3> position(points.position.data(), 100),
       normal(points.normal.data(), 100);
   gi::GatherOptions options;
-  options.rays = 12;
+  options.rays = 512;
   options.seed = 3;
   const RayGather rays = gather_rays(bvh, lights, cache, position, normal, options);
   const gi::Gathered whole = gi::gather_irradiance(bvh, lights, cache, position, normal, options);
-  float brightest = 0;
-  for (size_t i = 0; i < 100; ++i) {
-    Rgb mean{};
-    for (size_t k = 0; k < 12; ++k) mean += rays.value[12 * i + k] / 12;
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], whole.indirect[i][c], 1e-4f * mean[c]) << i;
-    brightest = std::max(brightest, max_component(mean));
-  }
-  EXPECT_GT(brightest, 0);
+  Rgb own{}, gathered{};
+  for (const Rgb& value : rays.value) own += value / 512;
+  for (const Rgb& value : whole.indirect) gathered += value;
+  EXPECT_GT(gathered.x, 0);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(own[c], gathered[c], 0.01f * gathered[c]);
 }
 
 /// From the middle of the floor of a closed box of side 2 nothing is nearer than the walls, and
