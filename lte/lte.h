@@ -60,6 +60,7 @@
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/neighbour_sums.h"
+#include "lte/ops/solve_light.h"
 #include "lte/ops/submanifold_conv.h"
 #include "lte/runtime/attention.h"
 #include "lte/runtime/embedding.h"

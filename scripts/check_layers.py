@@ -22,6 +22,10 @@ ALLOWED = {
     "lte/cli": ["lte/base"],
     # The flags of tools that load scenes, a target of its own.
     "lte/cli/scene_flags": ["lte/base", "lte/scene", "lte/scene/import", "lte/scene/load"],
+    # Which scene a tool works on.
+    "lte/cli/scene_source": ["lte/base", "lte/cli/*", "lte/scene", "lte/scene/import",
+                             "lte/scene/load_camera", "lte/scene/up_axis",
+                             "lte/pathtrace/placement"],
     "lte/report": ["lte/base"],
     "lte/image": ["lte/base"],
     # What others include, then the importers. lte/scene/load alone knows them all, and none of them
@@ -60,7 +64,7 @@ ALLOWED = {
     "lte/bake/formats": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/bake"],
     "lte/data": ["lte/base"],
     "lte/radiosity": ["lte/base"],
-    "lte/ops": ["lte/base", "lte/ops/cpu/*"],
+    "lte/ops": ["lte/base", "lte/radiosity", "lte/ops/cpu/*"],
     "lte/ops/cpu/kernels": ["lte/base", "lte/ops"],
     "lte/ops/cpu/search": ["lte/base", "lte/ops", "lte/ops/cpu/kernels"],
     "lte/ops/cpu/dense": ["lte/base", "lte/ops", "lte/ops/cpu/kernels"],
@@ -69,13 +73,14 @@ ALLOWED = {
                                 "lte/ops/cpu/dense"],
     "lte/ops/cpu/neighbours": ["lte/base", "lte/ops", "lte/ops/cpu/kernels", "lte/ops/cpu/dense"],
     "lte/ops/cpu/decoder": ["lte/base", "lte/ops", "lte/ops/cpu/kernels", "lte/ops/cpu/dense"],
-    "lte/ops/cuda": ["lte/base", "lte/ops"],
+    "lte/ops/cpu/radiosity": ["lte/base", "lte/radiosity", "lte/ops"],
+    "lte/ops/cuda": ["lte/base", "lte/radiosity", "lte/ops"],
     "lte/nn": ["lte/base", "lte/ops"],
-    "lte/runtime": ["lte/base", "lte/radiosity", "lte/ops", "lte/nn", "lte/data"],
+    "lte/runtime": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
     # Scene files to embeddings.
     "lte/embed": ["lte/base", "lte/scene/*", "lte/pathtrace/*", "lte/data", "lte/radiosity",
                   "lte/runtime"],
-    "lte/torchscript": ["lte/base", "lte/ops", "lte/nn"],
+    "lte/torchscript": ["lte/base", "lte/radiosity", "lte/ops", "lte/nn"],
     "lte/c_render": ["lte/c_api"],
     "lte/c_api": ["lte/c_render", "lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*",
                   "lte/render", "lte/runtime", "lte/embed"],
@@ -102,9 +107,11 @@ ALLOWED = {
     "train/loop": ["lte/base", "lte/cli", "lte/image", "lte/ops", "lte/nn", "lte/data",
                    "train/config", "train/log", "train/distributed", "train/optim", "train/data",
                    "train/checkpoint"],
-    "train/command": ["lte/base", "lte/cli", "lte/ops", "lte/nn", "lte/data",
+    # One scene by heart.
+    "train/fit": ["lte/base", "lte/scene/*", "lte/pathtrace/*", "lte/nn", "lte/runtime"],
+    "train/command": ["lte/base", "lte/cli/*", "lte/ops", "lte/nn", "lte/data", "lte/embed",
                       "train/config", "train/log", "train/distributed", "train/optim",
-                      "train/loop"],
+                      "train/loop", "train/fit"],
     "train": ["lte/base", "lte/cli", "train/command"],
 }
 # What the tools with a network stand on, each room on those before it.

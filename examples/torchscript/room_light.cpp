@@ -60,8 +60,8 @@ at::Tensor samples(const Rectangle& r) {
                     1);
 }
 
-/// Direct and indirect irradiance at the points, by radiosity between the cells; 0 on the lamp. A
-/// renderer would trace some paths instead.
+/// Direct and indirect irradiance at the points, by radiosity between the cells; 0 on the lamp. For
+/// a model that reads it a renderer would trace some paths instead; others solve it themselves.
 std::pair<at::Tensor, at::Tensor> light(const at::Tensor& points) {
   const at::Tensor position = columns(points, 0, 3), normal = columns(points, 3, 6),
                    albedo = columns(points, 6, 9), emission = columns(points, 9, 12),
@@ -109,11 +109,17 @@ void run(const char* path) {
   const torch::NoGradGuard no_grad;
   torch::jit::ExtraFilesMap files{{"normalization.json", ""}};
   torch::jit::Module model = torch::jit::load(path, torch::kCPU, files);
-  // The names of the columns, cut out of the text for want of a JSON reader.
+  // The names of the columns, and of those that the module solves, cut out of the text for want of
+  // a JSON reader.
   const std::string& json = files["normalization.json"];
-  const size_t begin = json.find("\"points\""), end = json.find(']', begin);
-  const std::string names = json.substr(begin, end - begin);
-  const auto reads = [&](const char* name) { return names.find(name) != std::string::npos; };
+  const auto list = [&](const char* key) {
+    const size_t begin = json.find(key);
+    return begin == json.npos ? std::string() : json.substr(begin, json.find(']', begin) - begin);
+  };
+  const std::string names = list("\"points\""), solved = list("\"solved\"");
+  const auto reads = [&](const char* name) {
+    return names.find(name) != names.npos && solved.find(name) == solved.npos;
+  };
 
   std::vector<at::Tensor> cells;
   for (const Rectangle& rectangle : kRoom) cells.push_back(samples(rectangle));

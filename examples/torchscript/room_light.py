@@ -49,7 +49,7 @@ def samples(corner, edge1, edge2, albedo, emission):
 
 def light(points):
     """Direct and indirect irradiance at the points, by radiosity between the cells; 0 on the lamp.
-    A renderer would trace some paths instead."""
+    For a model that reads it a renderer would trace some paths; others solve it themselves."""
     position, normal, albedo, emission, area = points.split([3, 3, 3, 3, 1], 1)
     to = position[None] - position[:, None]
     distance2 = to.square().sum(2).clamp(min=1e-6)
@@ -84,7 +84,9 @@ def main():
         return 2
     files = {"normalization.json": ""}
     model = torch.jit.load(sys.argv[1], _extra_files=files)
-    columns = json.loads(files["normalization.json"])["points"]
+    said = json.loads(files["normalization.json"])
+    # Light that the module solves by itself need not be given.
+    columns = [name for name in said["points"] if name not in said.get("solved", [])]
 
     points = torch.cat([samples(*rectangle) for rectangle in ROOM])
     direct, indirect = light(points)

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 
+#include "lte/radiosity/constants.h"
+
 namespace lte::radiosity {
-namespace {
-
-constexpr int64_t kMaxCells = int64_t{1} << 24;
-
-}  // namespace
 
 GridShape GridShape::around(std::span<const Vec3> positions, float cell) {
   GridShape grid;
@@ -21,9 +18,9 @@ GridShape GridShape::around(std::span<const Vec3> positions, float cell) {
   const auto count = [&](int axis) {
     return 3 + static_cast<int64_t>(static_cast<double>(extent[axis]) / grid.cell);
   };
-  grid.cell = std::max(grid.cell, 1e-4f * max_component(extent));
+  grid.cell = std::max(grid.cell, kLeastCell * max_component(extent));
   if (grid.cell <= 0) grid.cell = 1;  // all points in one place
-  while (count(0) * count(1) * count(2) > kMaxCells) grid.cell *= 1.26f;
+  while (count(0) * count(1) * count(2) > kMaxCells) grid.cell *= kCellGrowth;
   grid.inverse = 1 / grid.cell;
   grid.low = bounds.low - Vec3{grid.cell, grid.cell, grid.cell};
   for (int axis = 0; axis < 3; ++axis)

@@ -9,16 +9,11 @@
 #include <cmath>
 
 #include "lte/base/vector_clones.h"
+#include "lte/radiosity/constants.h"
 
 namespace lte::radiosity {
 namespace {
 
-/// Steps of a march, in cells: short enough that few marked cells are stepped over.
-constexpr float kStep = 0.7f;
-/// Cells by which an end may lie off a surfel's plane and still be on that surface.
-constexpr float kOwnCells = 0.4f;
-/// Cells around its middle in which a surfel blocks.
-constexpr float kRadiusCells = 1;
 /// Marches that go on side by side: several vectors of them, as each waits for its cells.
 constexpr size_t kLanes = 64;
 /// Lanes are worked off by so many, whose flags vectors bring into one word of 32 bits.

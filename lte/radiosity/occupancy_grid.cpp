@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "lte/radiosity/constants.h"
+
 namespace lte::radiosity {
 namespace {
-
-/// Clearances are known up to this many cells.
-constexpr int32_t kFarthest = 16;
 
 /// out[i] = min over j of max(line[j], |i - j|), at most kFarthest.
 void spread(const std::vector<int32_t>& line, std::vector<int32_t>* out) {

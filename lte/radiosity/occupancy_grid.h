@@ -19,6 +19,7 @@ class OccupancyGrid {
   OccupancyGrid(std::span<const Vec3> positions, std::span<const Vec3> normals, float cell);
 
   const GridShape& shape() const { return grid_.shape; }
+  const MarkedGrid& marked() const { return grid_; }
 
   /// Whether no surface lies between `a` and each of `others`, one entry each. One that an end lies
   /// on is not between. Space outside the grid is empty.

@@ -6,15 +6,10 @@
 #include <cstdlib>
 #include <utility>
 
+#include "lte/radiosity/constants.h"
+
 namespace lte::radiosity {
 namespace {
-
-/// Cells between which a plane is closed: farther than holes are wide, nearer than doorways.
-constexpr int32_t kReach = 4;
-/// Cells by which a surfel may lie off the plane of another and still be of it.
-constexpr float kFlat = 0.2f;
-/// Cosine between the normals of two that lie in one plane.
-constexpr float kMinNormalCosine = 0.95f;
 
 std::pair<int32_t, int32_t> key(const Surfel& s) { return {s.cell, s.axis}; }
 bool comes_first(const Surfel& a, const Surfel& b) { return key(a) < key(b); }

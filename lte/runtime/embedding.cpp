@@ -180,7 +180,7 @@ SceneEmbedding TorchParts::encode(const Network& network, const nn::PointSet& po
   const c10::DeviceGuard guard(device);
   check_rows(points, network.config());
   const nn::PointSet set =
-      with_solved_light(nn::in_canonical_order(points), network.config()).to(device);
+      with_solved_light(nn::in_canonical_order(points).to(device), network.config());
   const nn::Frame frame = frame_of(network, set.position, options);
   auto state = std::make_unique<SceneEmbedding::State>(network, options.memory);
   state->scene_points = set.position.size(0);

@@ -17,6 +17,7 @@
 #include "lte/torchscript/network.h"
 #include "lte/torchscript/ops.h"
 #include "lte/torchscript/silent_file.h"
+#include "lte/torchscript/solved_light.h"
 
 namespace lte::torchscript {
 namespace {
@@ -38,7 +39,9 @@ torch::jit::Module build_module(const nn::LightTransportModel& model, bool porta
     module.register_parameter(attribute_of(item.key()), item.value().detach().clone(),
                               /*is_buffer=*/false);
   }
-  module.define(ops_source(portable) + network_source(model->config()),
+  const std::string light =
+      model->config().solves_light() ? solved_light_source(portable) : std::string();
+  module.define(ops_source(portable) + light + network_source(model->config()),
                 std::make_shared<LteResolver>());
   module.eval();
   return module;
@@ -64,6 +67,8 @@ std::string normalization_json(const nn::ModelConfig& config) {
                       {"irradiance",
                        "W/m^2 of light that bounced at least once, linear Rec.709, not divided by "
                        "pi"}};
+  if (config.solves_light())
+    json["solved"] = {"direct", "indirect", "direct_back", "indirect_back"};
   if (config.predicts_radiance()) json["radiance"] = "W sr^-1 m^-2, linear Rec.709";
   return json.dump(1) + "\n";
 }
@@ -104,7 +109,7 @@ ExportCheck compare(torch::jit::Module& module, nn::LightTransportModel& model,
   const nn::PointSet points = room_with_metal(scene_points);
   const nn::PointSet surface = nn::synthetic_room(queries, 12);
   const at::Tensor rows = at::cat({surface.position, surface.normal, surface.albedo}, 1);
-  const nn::Embedding native = model->encode(points);
+  const nn::Embedding native = model->encode(nn::in_canonical_order(points));
   const at::Tensor expected =
       model->decode(native, {surface.position, surface.normal, surface.albedo});
   const c10::IValue embedding = module.get_method("encode")({point_rows(points, model->config())});

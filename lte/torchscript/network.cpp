@@ -50,13 +50,24 @@ def compressed(self, light: Tensor, radiance: Tensor) -> Tensor:
     return torch.log1p(light.to(7) / scale).to(6)
 )SCRIPT";
 
+// Rows are ordered as by nn::in_canonical_order(), in which −0 comes before 0.
 // The checks speak of columns, as the caller of the module knows no PointSet.
 constexpr const char* kEncode = R"SCRIPT(
+def in_order(self, points: Tensor) -> Tensor:
+    keys = points.to(7)
+    keys = torch.where((keys == 0.0) & torch.signbit(keys), torch.full_like(keys, -1e-60), keys)
+    order = torch.arange(points.size(0), device=points.device)
+    for i in range(points.size(1)):
+        key = keys[:, points.size(1) - 1 - i][order]
+        order = order[torch.argsort(key, stable=True, dim=0, descending=False)]
+    return points[order]
+
 def encode(self, points: Tensor) -> Dict[str, Tensor]:
-    assert points.dim() == 2 and points.size(0) >= 1 and points.size(1) == {columns}, \
-        'points must be [M, {columns}]: position, normal, albedo, emission, area{light}'
+    assert points.dim() == 2 and points.size(0) >= 1 and {accepted}, \
+        'points must be [M, {columns}]: position, normal, albedo, emission, area{light}{unlit}'
     assert bool(torch.all(torch.isfinite(points))), 'points: a value is not finite'
-    origin = torch.amin(points[:, 0:3], [0])
+    points = self.in_order(points)
+{solve}    origin = torch.amin(points[:, 0:3], [0])
     position = ((points[:, 0:3] - origin) / {scale}).contiguous()
     assert float(torch.max(position)) <= {largest_position}, \
         'points: the scene is larger than the scale of the model, {scale} m'
@@ -103,6 +114,10 @@ def encode(self, points: Tensor) -> Dict[str, Tensor]:
 {fill_cache}{make_surfels}    return embedding
 )SCRIPT";
 
+constexpr const char* kSolve = R"SCRIPT(    if points.size(1) == {unlit}:
+        points = torch.cat([points[:, 0:{light}], self.solve_light(points), points[:, {light}:]], 1)
+)SCRIPT";
+
 constexpr const char* kReadGloss = R"SCRIPT(    gloss = points[:, {from}:{end}]
     assert bool(torch.all((gloss >= 0.0) & (gloss <= 1.0))), \
         'points: metallic or roughness is outside [0, 1]'
@@ -132,15 +147,28 @@ std::string read_gloss(const nn::ModelConfig& config) {
                            {"end", std::to_string(from + 2)}});
 }
 
+/// Lines of encode() that solve the light on points that come without.
+std::string solve(const nn::ModelConfig& config, int64_t unlit) {
+  if (!config.solves_light()) return "";
+  return fill(kSolve, {{"unlit", std::to_string(unlit)}, {"light", std::to_string(kPointColumns)}});
+}
+
 std::string encode(const nn::ModelConfig& config) {
   constexpr int64_t kLastCell = (int64_t{1} << ops::kCurveBits) - 1;
+  const int64_t gloss = config.predicts_radiance() ? nn::kGlossColumns : 0;
+  const std::string columns = std::to_string(kPointColumns + light_columns(config) + gloss),
+                    unlit = std::to_string(kPointColumns + gloss);
+  const bool solves = config.solves_light();
   return fill(
       kEncode,
       {{"scale", number(config.scale)},
        {"largest_position", number(nn::kLargestPosition)},
        {"least_spacing", number(nn::kMinSpacing)},
-       {"columns", std::to_string(kPointColumns + light_columns(config) +
-                                  (config.predicts_radiance() ? nn::kGlossColumns : 0))},
+       {"accepted", solves ? "(points.size(1) == {columns} or points.size(1) == " + unlit + ")"
+                           : std::string("points.size(1) == {columns}")},
+       {"columns", columns},
+       {"unlit", solves ? "; or [M, " + unlit + "] without the light" : ""},
+       {"solve", solve(config, kPointColumns + gloss)},
        {"light",
         light_column_names(config) + (config.predicts_radiance() ? ", metallic, roughness" : "")},
        {"irradiance", read_light_source(config) + read_gloss(config)},

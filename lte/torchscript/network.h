@@ -17,7 +17,8 @@ std::string attribute_of(const std::string& parameter);
 ///         points [M, 13]: position, normal, albedo, emission, area; of models that read light
 ///         then direct and indirect irradiance, and that of the back of each [M, 25]; of those
 ///         that read estimates, the errors of front and back [M, 27]; of those that predict
-///         radiance, metallic and roughness
+///         radiance, metallic and roughness. Models whose light is solved take points without
+///         columns of light, too. The order of the points counts for nothing.
 ///     decode(embedding: Dict[str, Tensor], queries: Tensor) -> Tensor
 ///         queries [Q, 9]: position, normal, albedo; result [Q, 3] irradiance, W/m²
 ///     forward(points: Tensor, queries: Tensor) -> Tensor

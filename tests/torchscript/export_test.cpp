@@ -73,7 +73,10 @@ TEST(ExportOfLight, ColumnsFollowTheModel) {
       module.forward({at::rand({50, columns}), at::rand({5, 9})});
     };
     forward(input == nn::LightInput::Traced ? 27 : 25);
-    EXPECT_ANY_THROW(forward(13));
+    EXPECT_ANY_THROW(forward(14));
+    if (input == nn::LightInput::Traced) {
+      EXPECT_ANY_THROW(forward(13));
+    }
   }
 }
 
@@ -98,8 +101,8 @@ TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
   ASSERT_EQ(std::system(command.c_str()), 0);
 
   nn::LightTransportModel model = nn::load_model(model_file);
-  const at::Tensor expected =
-      model->decode(model->encode(points), {surface.position, surface.normal, surface.albedo});
+  const at::Tensor expected = model->decode(model->encode(nn::in_canonical_order(points)),
+                                            {surface.position, surface.normal, surface.albedo});
   const at::Tensor got = test::read_rows(folder.path() / "result", expected);
   EXPECT_LT((got - expected).abs().max().item<double>(),
             1e-5 * expected.abs().max().item<double>());

@@ -59,7 +59,8 @@ struct Room {
     const at::NoGradGuard no_grad;
     nn::LightTransportModel model = nn::load_model(file);
     model->eval();
-    return model->decode_radiance(model->encode(points), queries, directions);
+    return model->decode_radiance(model->encode(nn::in_canonical_order(points)), queries,
+                                  directions);
   }
 };
 
