@@ -10,12 +10,12 @@
 
 #include "bench/begin_command.h"
 #include "infer/renderer/renderer.h"
-#include "infer/tool/assets.h"
 #include "infer/tool/tool_options.h"
 #include "lte/bake/bake.h"
 #include "lte/base/file.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/numbers.h"
 
 namespace lte::bench {

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "bench/bench.h"
-#include "infer/tool/assets.h"
 #include "lte/base/parallel.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/sampler.h"
@@ -15,7 +15,7 @@ namespace lte::bench {
 
 std::vector<BenchResult> bench_pathtrace(const BenchOptions& options) {
   const scene::Scene scene =
-      load_scene(options.scene.empty() ? infer::asset_path("scenes/cornell_box.glb", "--scene")
+      load_scene(options.scene.empty() ? asset_path("scenes/cornell_box.glb", "--scene")
                                        : std::filesystem::path(options.scene),
                  options.loading);
   const pathtrace::Bvh bvh(scene);

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "infer/tool/assets.h"
 #include "lte/base/version.h"
+#include "lte/cli/assets.h"
 
 // Mains of the tools (lte_add_tool). Those that a build lacks are null.
 [[gnu::weak]] int lte_bake_main(int argc, char** argv);
@@ -82,7 +82,7 @@ std::vector<std::string> complete(const Command& command, std::vector<std::strin
   if (command.name == "info") words.insert(words.begin(), "info");
   if (command.name == "demo") {
     if (words.empty()) words = {"--quality", "preview", "--out", "lte_demo.png"};
-    words.insert(words.begin(), infer::asset_path("scenes/living_room.glb", "a scene").string());
+    words.insert(words.begin(), asset_path("scenes/living_room.glb", "a scene").string());
   }
   return words;
 }

@@ -6,11 +6,11 @@
 #include <numeric>
 #include <set>
 
-#include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/checksum.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
+#include "lte/cli/assets.h"
 #include "lte/embed/untrained_light.h"
 
 namespace lte::bench {

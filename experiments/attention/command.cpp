@@ -18,11 +18,11 @@
 #include "bench/begin_command.h"
 #include "bench/pareto/pareto.h"
 #include "infer/renderer/renderer.h"
-#include "infer/tool/assets.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/image/png.h"
@@ -161,7 +161,7 @@ void run(const Request& request) {
   bench::begin_command(request.common, &files, request.out);
   const auto [width, height] = infer::parse_picture_size(request.size);
   const scene::Scene scene = load_scene(request.scene, request.loading);
-  const runtime::Network network(infer::checkpoint_or_shipped(request.checkpoint));
+  const runtime::Network network(checkpoint_or_shipped(request.checkpoint));
   infer::Renderer renderer(scene);
   infer::EmbedSettings embedding;
   embedding.rescale = true;

@@ -12,12 +12,12 @@
 #include "bench/begin_command.h"
 #include "experiments/gathered_base/measure.h"
 #include "infer/renderer/renderer.h"
-#include "infer/tool/assets.h"
-#include "infer/tool/scene_source.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/safetensors.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/cli.h"
+#include "lte/cli/scene_source.h"
 #include "lte/embed/embed.h"
 
 namespace lte::experiments {

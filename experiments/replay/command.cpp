@@ -10,9 +10,9 @@
 #include "bench/begin_command.h"
 #include "bench/bench.h"
 #include "experiments/replay/trace_rates.h"
-#include "infer/tool/assets.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/parallel.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/scene/sampler.h"
@@ -46,7 +46,7 @@ void add_options(CLI::App& app, Request* request) {
 
 std::vector<bench::BenchResult> measure(const Request& request) {
   const scene::Scene scene =
-      load_scene(request.scene.empty() ? infer::asset_path("scenes/cornell_box.glb", "SCENE")
+      load_scene(request.scene.empty() ? asset_path("scenes/cornell_box.glb", "SCENE")
                                        : std::filesystem::path(request.scene),
                  request.loading);
   const pathtrace::Bvh bvh(scene);

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "infer/renderer/embedding_flags.h"
-#include "infer/tool/scene_source.h"
 #include "infer/tool/tool_options.h"
 #include "lte/bake/atlas.h"
+#include "lte/cli/scene_source.h"
 #include "lte/cli/set_keys.h"
 #include "lte/render/integrator.h"
 

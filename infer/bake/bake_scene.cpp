@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "infer/bake/bake_layers.h"
-#include "infer/tool/assets.h"
 #include "lte/bake/bake.h"
 #include "lte/bake/formats/formats.h"
 #include "lte/bake/formats/probe_files.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/progress.h"
 #include "lte/embed/untrained_light.h"
 #include "lte/scene/light_points.h"

@@ -6,10 +6,10 @@
 
 #include "infer/eval/evaluate.h"
 #include "infer/eval/report/eval_report.h"
-#include "infer/tool/assets.h"
 #include "lte/base/config.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/writable.h"

@@ -8,11 +8,11 @@
 
 #include "infer/eval/eval_command.h"
 #include "infer/eval/scenes/kept_results.h"
-#include "infer/tool/assets.h"
 #include "infer/tool/picture_size.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/writable.h"
 

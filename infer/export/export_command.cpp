@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/text.h"
+#include "lte/cli/assets.h"
 #include "lte/cli/command_files.h"
 #include "lte/torchscript/export.h"
 

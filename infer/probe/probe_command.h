@@ -5,8 +5,8 @@
 #include <string>
 
 #include "infer/renderer/embedding_flags.h"
-#include "infer/tool/scene_source.h"
 #include "infer/tool/tool_options.h"
+#include "lte/cli/scene_source.h"
 #include "lte/cli/set_keys.h"
 #include "lte/render/integrator.h"
 

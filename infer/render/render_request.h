@@ -11,8 +11,8 @@
 #include "infer/render/exposure.h"
 #include "infer/renderer/embedding_flags.h"
 #include "infer/renderer/renderer.h"
-#include "infer/tool/scene_source.h"
 #include "infer/tool/tool_options.h"
+#include "lte/cli/scene_source.h"
 #include "lte/cli/set_keys.h"
 
 namespace lte::infer {

@@ -3,8 +3,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
-#include "lte/embed/scene_points.h"
-#include "lte/scene/fingerprint.h"
+#include "lte/embed/embedding_key.h"
 
 namespace lte::infer {
 
@@ -64,24 +63,11 @@ double cull_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
   return seconds;
 }
 
-runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Network& network,
-                                    const EmbedSettings& settings) {
-  const scene::Fingerprint print = fingerprint(scene);
-  const int64_t points =
-      settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
-  return {{"scene geometry", print.geometry},
-          {"scene materials", print.materials},
-          {"scene lights", print.lights},
-          {"scene-points", std::to_string(points)},
-          {"drawn by rules", std::to_string(embed::kScenePointsVersion)},
-          {"prune", settings.prunes(network) ? "on" : "off"},
-          {"seed", std::to_string(settings.seed)}};
-}
-
 void provide_embedding(const EmbeddingFlags& flags, const runtime::Network& network,
                        const EmbedSettings& settings, Renderer* renderer) {
   if (!flags.has_file()) return renderer->embed(network, settings);
-  const runtime::EmbeddingKey key = embedding_key(renderer->bvh().scene(), network, settings);
+  const runtime::EmbeddingKey key =
+      embed::embedding_key(renderer->bvh().scene(), network, settings);
   const Timer timer;
   if (!flags.load.empty()) {
     renderer->set_embedding(runtime::load_embedding(flags.load, network, key, settings.memory));

@@ -47,11 +47,6 @@ double cull_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
                    const runtime::Network& network, const embed::Receivers& receivers,
                    EmbedSettings* settings);
 
-/// Everything but network and precision that an embedding of Renderer::embed() depends on: the
-/// fingerprint of the scene, and how its points are drawn.
-runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Network& network,
-                                    const EmbedSettings& settings);
-
 /// Reads the renderer's embedding from the file of --embedding, or makes it by embed() and writes
 /// it to that of --save-embedding.
 /// @throws lte::Error as Renderer::embed() and runtime::load_embedding()

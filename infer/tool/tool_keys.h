@@ -1,8 +1,8 @@
 // Keys of --set that the tools share (lte/cli/set_keys.h).
 #pragma once
 
-#include "infer/tool/scene_source.h"
 #include "infer/tool/tool_options.h"
+#include "lte/cli/scene_source.h"
 #include "lte/cli/set_keys.h"
 
 namespace lte::infer {

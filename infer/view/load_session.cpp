@@ -6,10 +6,10 @@
 
 #include "infer/render/scene_size.h"
 #include "infer/render/views.h"
-#include "infer/tool/assets.h"
 #include "infer/tool/picture_size.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/cli/assets.h"
 #include "lte/embed/untrained_light.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"

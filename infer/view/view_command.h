@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "infer/tool/scene_source.h"
 #include "infer/tool/tool_options.h"
+#include "lte/cli/scene_source.h"
 #include "lte/cli/set_keys.h"
 #include "lte/render/integrator.h"
 

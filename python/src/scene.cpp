@@ -8,9 +8,9 @@
 #include <nanobind/stl/vector.h>
 
 #include "datagen/dataset/generate.h"
-#include "infer/tool/scene_source.h"
 #include "lte/base/log.h"
 #include "lte/cli/scene_flags.h"
+#include "lte/cli/scene_source.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/export.h"
 #include "lte/scene/sampler.h"
@@ -44,7 +44,7 @@ namespace {
 std::unique_ptr<Scene> load(const std::string& path, const std::string& up,
                             const std::string& environment, double environment_turn,
                             std::vector<std::string> lights, bool allow_outside) {
-  infer::SceneSource source;
+  SceneSource source;
   source.scene = path;
   source.up = up;
   source.environment = environment;
@@ -52,7 +52,7 @@ std::unique_ptr<Scene> load(const std::string& path, const std::string& up,
   source.lights = std::move(lights);
   source.loading.allow_outside = allow_outside;
   return interruptible([&] {
-    auto scene = std::make_unique<Scene>(infer::load_source(source, ""));
+    auto scene = std::make_unique<Scene>(load_source(source, ""));
     if (scene->lights()->empty())
       log_warning(path, ": nothing emits light (environment=\"1,1,1\" or add_light=\"auto\" do)");
     pathtrace::warn_of_lost_light(path, *scene->bvh());

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "infer/renderer/renderer.h"
-#include "infer/tool/assets.h"
+#include "lte/cli/assets.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/reach/reach.h"
 #include "tests/support/scenes.h"

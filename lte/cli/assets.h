@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace lte::infer {
+namespace lte {
 
 /// Finds a shipped file: the first that exists of <executable>/../share/lte/assets/`relative`
 /// (installed), <executable>/../../assets/`relative` (build/bin of the source tree), and the assets
@@ -21,4 +21,4 @@ inline constexpr const char* kDefaultModel = "models/lte-hybrid.safetensors";
 /// Returns `checkpoint`, or kDefaultModel where it lies if that is empty.
 std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint);
 
-}  // namespace lte::infer
+}  // namespace lte

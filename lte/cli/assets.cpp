@@ -1,4 +1,4 @@
-#include "infer/tool/assets.h"
+#include "lte/cli/assets.h"
 
 #include <cstdlib>
 #include <string_view>
@@ -7,7 +7,7 @@
 
 #include "lte/base/check.h"
 
-namespace lte::infer {
+namespace lte {
 namespace fs = std::filesystem;
 
 fs::path asset_path(const std::string& relative, const std::string& instead) {
@@ -36,4 +36,4 @@ fs::path checkpoint_or_shipped(const std::string& checkpoint) {
   return checkpoint.empty() ? asset_path(kDefaultModel, "--checkpoint") : fs::path(checkpoint);
 }
 
-}  // namespace lte::infer
+}  // namespace lte

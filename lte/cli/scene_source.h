@@ -10,7 +10,7 @@
 #include "lte/cli/scene_flags.h"
 #include "lte/scene/scene.h"
 
-namespace lte::infer {
+namespace lte {
 
 struct SceneSource {
   std::string scene;
@@ -36,4 +36,4 @@ scene::Scene load_source(const SceneSource& source, const std::string& camera = 
 /// Says what a scene is in a line of the log, and what of its file was ignored.
 void describe(const scene::Scene& scene, const std::string& path);
 
-}  // namespace lte::infer
+}  // namespace lte

@@ -1,4 +1,4 @@
-#include "infer/tool/scene_source.h"
+#include "lte/cli/scene_source.h"
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -7,7 +7,7 @@
 #include "lte/scene/load_camera.h"
 #include "lte/scene/up_axis.h"
 
-namespace lte::infer {
+namespace lte {
 namespace {
 
 std::vector<scene::Camera> cameras_of(const scene::Scene& scene, const std::string& word) {
@@ -66,4 +66,4 @@ void describe(const scene::Scene& scene, const std::string& path) {
   for (const std::string& ignored : scene.ignored) log_warning(path, ": ignored ", ignored);
 }
 
-}  // namespace lte::infer
+}  // namespace lte
