@@ -15,6 +15,7 @@ constexpr const char* kExamples = R"(Examples:
   lte_train --config my.yaml --set data.root=data/homes --out runs/homes \
       --init-weights runs/demo/model.safetensors
   lte_train --config my.yaml --set data.root=data/homes --out runs/homes --find-lr
+  lte_train fit room.glb --out room.safetensors --time 120s
   lte_train health runs/demo/model.safetensors --data data/rooms
   lte_train average runs/demo/model.safetensors runs/homes/model.safetensors --out both.safetensors
 A run directory holds checkpoint.safetensors and the ones before it, checkpoint_best.safetensors,

@@ -1,15 +1,15 @@
 // experiment_paper by-heart: what learns one scene best in equal time, a hash grid or latents at
 // scene points.
+#include "train/fit/by_heart.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include <torch/optim/adam.h>
 #include <torch/types.h>
 
 #include "bench/begin_command.h"
@@ -18,9 +18,9 @@
 #include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/timer.h"
 #include "lte/cli/numbers.h"
 #include "lte/nn/cost.h"
-#include "lte/nn/loss.h"
 #include "lte/nn/model_parts.h"
 #include "lte/ops/farthest_point.h"
 #include "train/data/example.h"
@@ -32,8 +32,6 @@ constexpr double kScale = 16;          // s, metres
 constexpr int64_t kHeldOutEvery = 10;  // of the queries
 constexpr int kLooks = 8;              // at the held-out error in the course of the time
 constexpr double kGridRate = 1e-2, kLatentRate = 3e-3;
-constexpr nn::LossConfig kLoss = {
-    .epsilon = 0.01, .detach_denominator = true, .space = nn::LossSpace::Linear};
 
 struct Request {
   std::string sample, method = "grid";
@@ -103,44 +101,35 @@ at::Tensor answer(ByHeartImpl& network, const Task& task, const at::Tensor& rows
 
 /// Mean squared error over the mean square of the target.
 double relative_error(ByHeartImpl& network, const Task& task, const at::Tensor& rows) {
-  const at::NoGradGuard no_grad;
-  constexpr int64_t kBlock = 16'384;
   double error = 0, square = 0;
-  for (int64_t begin = 0; begin < rows.size(0); begin += kBlock) {
-    const at::Tensor block = rows.slice(0, begin, begin + kBlock);
+  train::in_blocks_of_rows(rows, [&](const at::Tensor& block) {
     const at::Tensor target = task.target.index_select(0, block);
     error += (answer(network, task, block) - target).square().sum().item<double>();
     square += target.square().sum().item<double>();
-  }
+  });
   return error / square;
 }
 
 nlohmann::json learn(ByHeartImpl& network, const Task& task, const Request& request) {
-  const double rate = request.method == "grid" ? kGridRate : kLatentRate;
-  torch::optim::Adam optimizer(network.parameters(), torch::optim::AdamOptions(rate).eps(1e-12));
   nlohmann::json looks = nlohmann::json::array();
-  int64_t steps = 0;
-  double used = 0;  // processor seconds of steps alone
-  while (used < request.seconds) {
-    const std::clock_t begin = std::clock();
-    const at::Tensor rows =
-        task.learnt.index_select(0, at::randint(task.learnt.size(0), {request.batch}, at::kLong));
-    const double share = std::min(1.0, used / request.seconds);
-    for (auto& group : optimizer.param_groups())
-      group.options().set_lr(rate * (0.01 + 0.99 * 0.5 * (1 + std::cos(M_PI * share))));
-    optimizer.zero_grad();
-    nn::relative_loss(answer(network, task, rows), task.target.index_select(0, rows), kLoss)
-        .backward();
-    optimizer.step();
-    ++steps;
-    used += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  train::ByHeartLimits limits;
+  limits.seconds = request.seconds;
+  limits.clock = processor_seconds;
+  limits.rate = request.method == "grid" ? kGridRate : kLatentRate;
+  limits.batch = request.batch;
+  const auto look = [&](int64_t steps, double used) {
     const double due =
         request.seconds * static_cast<double>(looks.size() + 1) / static_cast<double>(kLooks);
-    if (used < due) continue;
+    if (used < due) return true;
     const double error = relative_error(network, task, task.held_out);
     LTE_CHECK(std::isfinite(error), "step ", steps, ": the error is not finite");
     looks.push_back({{"seconds", used}, {"steps", steps}, {"held_out_relmse", error}});
-  }
+    return true;
+  };
+  train::learn_by_heart(
+      {network.parameters(), [&](const at::Tensor& rows) { return answer(network, task, rows); },
+       task.target, task.learnt},
+      limits, look);
   return looks;
 }
 

@@ -1,4 +1,4 @@
-// What lte_train does beside training: `lte_train health` and `average`.
+// What lte_train does beside training: `lte_train fit`, `health` and `average`.
 #pragma once
 
 #include <optional>
@@ -6,6 +6,7 @@
 
 #include "lte/cli/cli.h"
 #include "train/command/average_command.h"
+#include "train/command/fit_command.h"
 #include "train/command/health_command.h"
 
 namespace lte::train {
@@ -22,6 +23,7 @@ class Subcommands {
   std::optional<std::string> run(const CommonOptions& common);
 
  private:
+  FitCommand fit_;
   HealthOptions health_options_;
   AverageOptions average_options_;
   const CLI::App *health_, *average_;

@@ -8,13 +8,10 @@
 #include <fstream>
 #include <thread>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <nlohmann/json.hpp>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "lte/base/safetensors.h"
+#include "tests/train/free_port.h"
 #include "tests/train/support.h"
 #include "tests/train/tool_process.h"
 #include "train/checkpoint/checkpoint.h"
@@ -25,19 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using Args = std::vector<std::string>;
 using test::ToolProcess;
-
-/// A port that nothing listens on.
-int free_port() {
-  const int handle = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof(address);
-  bind(handle, reinterpret_cast<sockaddr*>(&address), size);
-  getsockname(handle, reinterpret_cast<sockaddr*>(&address), &size);
-  close(handle);
-  return ntohs(address.sin_port);
-}
 
 class Distributed : public testing::Test {
  protected:
@@ -59,7 +43,7 @@ class Distributed : public testing::Test {
   std::vector<ToolProcess> start(int size, const Args& more) const {
     Args args = {"--config", config_, "--quiet"};
     args.insert(args.end(), more.begin(), more.end());
-    const std::string port = std::to_string(free_port());
+    const std::string port = std::to_string(test::free_port());
     std::vector<ToolProcess> processes;
     for (int rank = 0; rank < size; ++rank) {
       processes.emplace_back(
@@ -200,7 +184,7 @@ TEST_F(Distributed, AProcessThatNeverComesIsNamed) {
                      {{"RANK", "0"},
                       {"WORLD_SIZE", "2"},
                       {"MASTER_ADDR", "127.0.0.1"},
-                      {"MASTER_PORT", std::to_string(free_port())}});
+                      {"MASTER_PORT", std::to_string(test::free_port())}});
   EXPECT_EQ(lonely.wait(), 1);
   EXPECT_NE(lonely.err().find("rank 1 never came"), std::string::npos) << lonely.err();
   EXPECT_FALSE(fs::exists(dir_ / "run"));
@@ -238,7 +222,7 @@ TEST_F(Distributed, BadScenesAreSkippedAlikeByAll) {
 TEST_F(Distributed, ADataSetThatDiffersIsRefused) {
   test::TempDir other;
   test::write_dataset(other.path(), 3, 1);
-  const std::string port = std::to_string(free_port());
+  const std::string port = std::to_string(test::free_port());
   const auto variables = [&](const char* rank) {
     return std::map<std::string, std::string>{
         {"RANK", rank}, {"WORLD_SIZE", "2"}, {"MASTER_PORT", port}};
