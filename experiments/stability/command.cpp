@@ -18,7 +18,8 @@ namespace {
 
 struct Request {
   StabilityOptions options;
-  std::string out;  ///< the page; empty: none
+  std::string device;  ///< cpu or cuda
+  std::string out;     ///< the page; empty: none
   CommonOptions common;
 };
 
@@ -29,6 +30,9 @@ void add_options(CLI::App& app, Request* request) {
       ->check(CLI::Range(int64_t{1000}, int64_t{200'000'000}))
       ->capture_default_str();
   app.add_option("--checkpoint", request->options.checkpoint, "Model; by default the shipped one");
+  app.add_option("--device", request->device, "Processor of the network: cpu or cuda")
+      ->check(CLI::IsMember({"cpu", "cuda"}))
+      ->default_str("cpu");
   app.add_option("--out", request->out, "Page to write (.html)");
   add_common_options(app, &request->common);
 }
@@ -37,7 +41,9 @@ void run(const Request& request) {
   CommandFiles files;
   files.reads("--checkpoint", request.options.checkpoint);
   bench::begin_command(request.common, &files, request.out);
-  const std::vector<StabilityRow> rows = measure_stability(request.options);
+  StabilityOptions options = request.options;
+  if (request.device == "cuda") options.device = runtime::choose_device("cuda", "--device");
+  const std::vector<StabilityRow> rows = measure_stability(options);
   std::fputs(stability_table(rows).c_str(), stdout);
   files.check_what_was_read();
   if (!request.common.json.empty())

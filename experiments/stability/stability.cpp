@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "experiments/stability/stress_answers.h"
-#include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
+#include "lte/cli/assets.h"
 #include "lte/runtime/device.h"
 
 namespace lte::experiments {
@@ -34,7 +34,7 @@ class Measurement {
  public:
   Measurement(const StabilityOptions& options)
       : options_(options),
-        network_(checkpoint_or_shipped(options.checkpoint)),
+        network_(checkpoint_or_shipped(options.checkpoint), {.device = options.device}),
         questions_(options.quick ? ask_stress_room(200, 64, 0) : ask_stress_room(2'000, 256, 0)) {
     run({}, {});  // warms up
     base_ = run({}, {});
@@ -173,9 +173,14 @@ class Measurement {
 
   void arithmetic() {
     const runtime::Network half(checkpoint_or_shipped(options_.checkpoint),
-                                {.precision = nn::Precision::Bf16});
+                                {.device = options_.device, .precision = nn::Precision::Bf16});
     const StressAnswers rounded = answer({}, questions_, half, {.paths = false});
     add_both("arithmetic", "bf16", "fp32", rounded, base_, {{}, {Figure::Mean, 0.02}});
+    if (!options_.device.is_cpu()) {
+      const runtime::Network on_cpu(checkpoint_or_shipped(options_.checkpoint));
+      const StressAnswers right = answer({}, questions_, on_cpu, {.paths = false});
+      add_both("arithmetic", "GPU", "processor", base_, right, {{}, {Figure::Mean, 1e-4}});
+    }
     const int threads = num_threads();
     set_threads(1);
     const StressAnswers alone = run({}, {});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/runtime/device.h"
 
 namespace lte::experiments {
 
@@ -16,6 +17,7 @@ struct StabilityOptions {
   bool quick = false;              ///< small sizes, for a few seconds
   int64_t triangles = 10'000'000;  ///< of the largest scene
   std::string checkpoint;          ///< empty: the shipped model
+  runtime::Device device;          ///< of the network
 };
 
 /// What a figure of a change may be held to.

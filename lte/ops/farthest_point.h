@@ -24,8 +24,8 @@ namespace lte::ops {
 ///       differentiable.
 std::tuple<at::Tensor, at::Tensor> farthest_point_sampling(const at::Tensor& points, int64_t count);
 
-/// The same of several sets of points, each as by itself: on a GPU beside each other, as one keeps
-/// but one multiprocessor busy.
+/// The same of several sets of points, each as by itself: of a GPU's, many beside each other, as
+/// one keeps but one multiprocessor busy, and few on the host, which is quicker with each.
 ///
 /// @param sets    all on one device
 /// @param counts  one for each set

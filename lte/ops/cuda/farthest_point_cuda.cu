@@ -1,8 +1,12 @@
-// farthest_point_sampling on CUDA: a persistent block for each set of points. Up to 32,768
+// farthest_point_sampling on CUDA: a persistent block for each of many sets of points. Up to 32,768
 // points their distances stay in registers, up to 8,192 the points too.
+//
+// Every pick waits for the one before, so a block takes six times as long as the host, which looks
+// at few points a pick. Few sets are the host's.
 #include <algorithm>
 #include <cstdint>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <ATen/core/Tensor.h>
@@ -13,6 +17,7 @@
 #include <c10/cuda/CUDAStream.h>
 #include <torch/library.h>
 
+#include "lte/ops/farthest_point.h"
 #include "lte/ops/farthest_point_args.h"
 
 namespace lte::ops {
@@ -23,6 +28,8 @@ static_assert(kThreads == kWarp * kWarp, "one warp reads what all warps have fou
 /// Points whose distances the threads hold in registers, and those held with their positions.
 constexpr int64_t kMaxInRegisters = 32 * kThreads, kMaxHeld = 8 * kThreads;
 constexpr size_t kMaxSets = 16;  ///< of a launch, which has them among its arguments
+/// Sets that the host works through in less time than a block takes for one.
+constexpr size_t kHostSets = 4;
 
 struct Set {
   const float* points;  ///< [N, 3]
@@ -172,12 +179,24 @@ void launch(const Sets& sets, size_t count, int64_t most) {
   C10_CUDA_KERNEL_LAUNCH_CHECK();
 }
 
+std::tuple<std::vector<at::Tensor>, std::vector<at::Tensor>> on_the_host(at::TensorList sets,
+                                                                         at::IntArrayRef counts) {
+  std::vector<at::Tensor> host;
+  for (const at::Tensor& points : sets) host.push_back(points.cpu());
+  auto [picks, insertions] = farthest_point_sampling_of_sets(host, counts);
+  for (std::vector<at::Tensor>* of : {&picks, &insertions}) {
+    for (at::Tensor& t : *of) t = t.to(sets[0].device());
+  }
+  return {std::move(picks), std::move(insertions)};
+}
+
 std::tuple<std::vector<at::Tensor>, std::vector<at::Tensor>> farthest_point_sampling_of_sets_cuda(
     at::TensorList sets, at::IntArrayRef counts) {
   check_farthest_point_sets(sets, counts);
   std::vector<at::Tensor> picks, insertions, nearest;
   if (sets.empty()) return {picks, insertions};
   const c10::cuda::CUDAGuard guard(sets[0].device());
+  if (sets.size() <= kHostSets) return on_the_host(sets, counts);
   int64_t most = 0;
   for (const at::Tensor& points : sets) most = std::max(most, points.size(0));
   for (size_t first = 0; first < sets.size(); first += kMaxSets) {
