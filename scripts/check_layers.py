@@ -144,7 +144,7 @@ ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]
 
 # The program lte knows the tools by their mains alone. The Python module is thin over what the
 # tools are thin over.
-ALLOWED["program"] = ["lte/base", "infer/tool"]
+ALLOWED["program"] = ["lte/base", "lte/cli/*"]
 ALLOWED["python/src"] = INFER + INFER_SHARED + [
     "infer/probe", "infer/render", "infer/bake", "lte/bake", "lte/bake/formats", "datagen/dataset",
     "program"]
