@@ -1,6 +1,7 @@
 #include "infer/check/check_report.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lte/base/check.h"
 #include "lte/base/text.h"
@@ -15,6 +16,7 @@ std::string text_of(const CheckedRatio& ratio) {
 nlohmann::json ratio_json(const CheckedRatio& ratio) {
   return {{"ratio", ratio.ratio},
           {"standard_error", ratio.standard_error},
+          {"expected_error", std::sqrt(ratio.expected_square)},
           {"share", ratio.share},
           {"centre", {ratio.centre.x, ratio.centre.y, ratio.centre.z}},
           {"off", ratio.off}};
@@ -45,6 +47,7 @@ nlohmann::json check_json(const LightCheck& check) {
   return {{"whole", ratio_json(check.whole)},
           {"fault", check.fault ? ratio_json(*check.fault) : nlohmann::json()},
           {"regions", regions},
+          {"expected_error", std::sqrt(check.variance)},
           {"paths", check.paths},
           {"seconds", check.seconds}};
 }

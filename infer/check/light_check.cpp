@@ -17,7 +17,8 @@ namespace {
 
 // Few, so that the paths come from many places.
 constexpr int kPathsAtOnce = 4;
-constexpr int64_t kMinPaths = int64_t{1} << 13;
+/// In whose time a path of the check is traced, ten times.
+constexpr int64_t kRaysOfPath = 32;
 // Regions are cut in two as long as both halves know their ratio to this.
 constexpr double kRegionError = 0.04;
 // An error below this share of all light that reaches the surfaces is not seen.
@@ -77,6 +78,7 @@ class Checker {
       for (const uint32_t place : tree_.places(region.node))
         out.region_of[place] = static_cast<int32_t>(out.regions.size()) - 1;
     }
+    expect_errors(&out);
     if (!wrong.empty()) out.fault = fault_of(wrong);
     if (out.fault && out.fault->share * std::fabs(out.fault->ratio - 1) < kMinFault)
       out.fault.reset();
@@ -97,7 +99,7 @@ class Checker {
     std::vector<uint32_t> ranks(answered_.size());
     std::iota(ranks.begin(), ranks.end(), uint32_t{0});
     for (uint64_t round = 0; paths_ == 0 || may_go_on(); ++round)
-      trace(ranks, std::max(kMinPaths, paths_), hash_combine(kSuspect, round), &first_);
+      trace(ranks, std::max(kLeastCheckPaths, paths_), hash_combine(kSuspect, round), &first_);
   }
 
   /// Whether twice the paths would still be of use, and leave time to confirm what they suspect.
@@ -122,7 +124,7 @@ class Checker {
     }
     const double left = std::max(0.0, options_.seconds - timer_.seconds()) / timer_.seconds();
     const auto paths = static_cast<double>(paths_) * std::min(left, 1.0);
-    trace(ranks, std::max(kMinPaths, static_cast<int64_t>(paths)), kConfirm, &second_);
+    trace(ranks, std::max(kLeastCheckPaths, static_cast<int64_t>(paths)), kConfirm, &second_);
   }
 
   /// @param ranks  of the places in the tree's order
@@ -202,6 +204,23 @@ class Checker {
     out->centre = centre_of(region->node);
   }
 
+  /// Empirical Bayes (Efron and Morris 1973): what regions are off by is normally distributed about
+  /// 0 and known to a standard error, so a ratio is drawn towards 1 the more the less is known.
+  static void expect_errors(LightCheck* check) {
+    double sum = 0;
+    for (const CheckedRatio& region : check->regions)
+      sum += region.share * (std::pow(region.ratio - 1, 2) - std::pow(region.standard_error, 2));
+    check->variance = std::max(0.0, sum);
+    if (!(check->variance > 0)) return;
+    const auto expect = [&](CheckedRatio* light) {
+      const double noise = std::pow(light->standard_error, 2);
+      const double known = check->variance / (check->variance + noise);
+      light->expected_square = std::pow(known * (light->ratio - 1), 2) + known * noise;
+    };
+    expect(&check->whole);
+    for (CheckedRatio& region : check->regions) expect(&region);
+  }
+
   double share_of(size_t node) const {
     return static_cast<double>(tree_.places(node).size()) / static_cast<double>(answered_.size());
   }
@@ -261,6 +280,10 @@ class Checker {
 };
 
 }  // namespace
+
+int64_t paths_to_check(int64_t rays) {
+  return std::clamp(rays / kRaysOfPath, kLeastCheckPaths, kMostCheckPaths);
+}
 
 void AnsweredLight::add(const Vec3& at, const Vec3& side, const Rgb& light) {
   position.push_back(at);

@@ -36,15 +36,22 @@ struct AnsweredLight {
 inline constexpr double kCheckedOff = 0.05, kCheckedRegionOff = 0.1;
 inline constexpr int kCheckBatches = 32;
 
+/// The fewest paths of a check, and the most; as many again confirm a suspicion.
+inline constexpr int64_t kLeastCheckPaths = 1 << 13, kMostCheckPaths = 1 << 16;
+
 struct CheckOptions {
-  /// The check ends when its next paths would not be done in this time; 2^13 paths are traced in
-  /// any case, and as many to confirm a suspicion. On machines that keep up, counts alone decide,
-  /// and the outcome is the same every time.
+  int64_t most_paths = kMostCheckPaths;
+  /// For who keeps to a time: the check ends when its next paths would not be done in so many
+  /// seconds, after the first kLeastCheckPaths. By default counts alone decide, and the outcome is
+  /// the same every time.
   double seconds = std::numeric_limits<double>::infinity();
-  int64_t most_paths = 1 << 16;  ///< as many again confirm a suspicion
-  int max_depth = 5;             ///< of the paths: surface hits after the place
+  int max_depth = 5;  ///< of the paths: surface hits after the place
   uint64_t seed = 0;
 };
+
+/// Paths that take about a tenth of the time of so many gathered rays, within what a check may
+/// have.
+int64_t paths_to_check(int64_t rays);
 
 /// The ratio of answered to traced light over some of the places.
 struct CheckedRatio {
@@ -52,12 +59,18 @@ struct CheckedRatio {
   double share = 1;  ///< of all places
   Vec3 centre;       ///< the place nearest to the mean of these places
   bool off = false;  ///< confirmed: wrong by more than is let pass, and not by chance
+  /// What the light here is off by, squared and relative to it: the mean over what it may be, given
+  /// the ratio and LightCheck::variance.
+  double expected_square = 0;
 };
 
 struct LightCheck {
   CheckedRatio whole;
   std::vector<CheckedRatio> regions;  ///< disjoint; at least one where anything was compared
   std::vector<int32_t> region_of;     ///< of each place: a number of `regions`
+  /// How far regions are off, squared and relative: what their ratios differ from 1 by, beyond what
+  /// chance explains, in the mean over the places.
+  double variance = 0;
   /// Of all regions that are off to the same side, the side that is off by more light; `centre` is
   /// that of the one which is off by the most. Nothing if that is little for so few places.
   std::optional<CheckedRatio> fault;

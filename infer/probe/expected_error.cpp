@@ -11,11 +11,11 @@ constexpr double kTablesOfOthers = 3;
 
 double mean_square(const Rgb& value) { return double{dot(value, value)} / 3; }
 
-/// Squared, relative to the light of the region: what is left when chance is taken away.
+/// Squared, relative to the light.
 double squared_fault(const LightCheck& check, size_t point) {
   if (check.region_of.empty()) return 0;
-  const CheckedRatio& region = check.regions[static_cast<size_t>(check.region_of[point])];
-  return std::max(0.0, std::pow(region.ratio - 1, 2) - std::pow(region.standard_error, 2));
+  return check.regions[static_cast<size_t>(check.region_of[point])].expected_square +
+         check.variance;
 }
 
 }  // namespace
@@ -23,8 +23,7 @@ double squared_fault(const LightCheck& check, size_t point) {
 double rms(const Rgb& value) { return std::sqrt(mean_square(value)); }
 
 std::vector<double> expected_errors(const GatheredProbe& gathered,
-                                    std::span<const Rgb> direct_error, const LightCheck& check,
-                                    double unseen_share) {
+                                    std::span<const Rgb> direct_error, const LightCheck& check) {
   double squares = 0, light = 0;
   for (size_t i = 0; i < gathered.indirect.size(); ++i) {
     squares += mean_square(gathered.standard_error[i]);
@@ -39,7 +38,7 @@ std::vector<double> expected_errors(const GatheredProbe& gathered,
     const double spread =
         (own * mean_square(gathered.standard_error[i]) + kTablesOfOthers * relative * here) /
         (own + kTablesOfOthers);
-    const double fault = (squared_fault(check, i) + unseen_share * unseen_share) * here;
+    const double fault = (squared_fault(check, i) + kUnseenShare * kUnseenShare) * here;
     out.push_back(std::sqrt(spread + fault + mean_square(direct_error[i])));
   }
   return out;

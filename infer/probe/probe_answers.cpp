@@ -8,7 +8,6 @@
 #include "infer/probe/gathered_probe.h"
 #include "lte/base/check.h"
 #include "lte/base/random.h"
-#include "lte/base/timer.h"
 #include "lte/cli/progress.h"
 #include "lte/embed/culled_lights.h"
 
@@ -18,8 +17,6 @@ namespace {
 constexpr int64_t kReferenceRays = 1024;
 /// Cap on paths when --error decides how many a point needs and --spp is not given.
 constexpr int64_t kDefaultCap = 65536;
-/// The most that a check takes of the time of what it checks, but for its first paths.
-constexpr double kCheckShare = 0.1;
 // Caches draw other numbers than paths, and so does the check.
 constexpr uint64_t kCaches = 62, kCheckPaths = 63;
 
@@ -76,10 +73,14 @@ GatheredProbe gather(const ProbeRequest& request,
 }
 
 LightCheck check(const ProbeRequest& request, const scene::PointTable& points,
-                 const std::vector<Rgb>& light, double seconds, const Renderer& renderer) {
+                 const std::vector<Rgb>& light, const Renderer& renderer) {
   AnsweredLight answered{points.position, points.normal, light};
   CheckOptions options;
-  options.seconds = kCheckShare * seconds;
+  const GatheredProbeOptions gathered;
+  const int64_t of_tables =
+      gathered.tables * request.records * render::CacheSettings().paths * request.max_depth;
+  options.most_paths =
+      paths_to_check(static_cast<int64_t>(points.size()) * rays_of(request) + of_tables);
   options.max_depth = request.max_depth;
   options.seed = hash_combine(request.seed, kCheckPaths);
   return check_light(renderer.bvh(), renderer.lights(), answered, options);
@@ -111,18 +112,14 @@ ProbeAnswer answer_points(const ProbeRequest& request, const runtime::Network* n
                           const EmbedSettings& settings, const scene::PointTable& points,
                           Renderer* renderer) {
   if (request.by_paths()) return by_paths(request, points, *renderer);
-  const Timer timer;
   std::vector<render::IrradianceSource> sources;
   if (network != nullptr) sources = sources_of(request, *network, settings, renderer);
   ProbeAnswer answer;
   answer.light = trace(request, *renderer, points);
   answer.culled_lights = embed::names_of(renderer->bvh().scene(), renderer->culled_lights());
   const GatheredProbe found = gather(request, sources, points, *renderer);
-  if (request.check)
-    answer.check = check(request, points, found.indirect, timer.seconds(), *renderer);
-  answer.expected_error =
-      expected_errors(found, answer.light.standard_error, answer.check,
-                      network != nullptr ? kUnseenShareOfNetwork : kUnseenShare);
+  if (request.check) answer.check = check(request, points, found.indirect, *renderer);
+  answer.expected_error = expected_errors(found, answer.light.standard_error, answer.check);
   for (size_t i = 0; i < found.indirect.size(); ++i) {
     answer.light.total[i] = answer.light.direct[i] + found.indirect[i];
     answer.light.rays[i] += found.rays;

@@ -1,5 +1,6 @@
 #include "infer/render/render_command.h"
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -42,7 +43,7 @@ namespace {
 constexpr int64_t kMaxPixelsBeside = int64_t{1} << 20;
 /// Paths that check are independent of all that the picture has used.
 constexpr uint64_t kCheckPaths = 36, kCheckedPlaces = 37;
-/// The most that a check takes of the time of the picture that it checks, but for its first paths.
+/// The most that a check takes of a given time, but for its first paths.
 constexpr double kCheckShare = 0.1;
 /// Scene points for gathered pictures: the fewest in all, and those that a luminaire takes.
 constexpr int64_t kLeastScenePoints = 2048, kPointsOfLuminaire = 16;
@@ -251,14 +252,17 @@ struct PictureRun {
   Timer work;  ///< since loading was over
 };
 
-/// @param seconds  of the picture and what came before it
+/// @param seconds  of the picture and what came before it, for one in a given time
 LightCheck check_picture(const PictureRun& run, const View& view, const Frame& frame,
                          const Renderer& renderer, double seconds) {
   const StatePtr state = run.edited ? run.edited->state() : nullptr;
   const pathtrace::Bvh& bvh = state ? state->bvh() : renderer.bvh();
   const pathtrace::Lights& lights = state ? state->lights() : renderer.lights();
   CheckOptions options;
-  options.seconds = std::min(kCheckShare * seconds, run.settings.seconds - seconds);
+  options.most_paths = paths_to_check(int64_t{run.settings.width} * run.settings.height *
+                                      renderer.passes() * run.settings.gather_rays);
+  if (std::isfinite(run.settings.seconds))
+    options.seconds = std::min(kCheckShare * seconds, run.settings.seconds - seconds);
   options.max_depth = run.settings.max_depth;
   options.seed = hash_combine(run.settings.seed, kCheckPaths);
   return check_light(

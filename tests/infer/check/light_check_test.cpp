@@ -102,6 +102,33 @@ TEST(PlaceTree, CellsPartThePlacesInto64AndHalvesLieApart) {
   }
 }
 
+TEST(LightCheck, TakesATenthOfTheRaysThatItChecksWithinBounds) {
+  EXPECT_EQ(paths_to_check(0), kLeastCheckPaths);
+  EXPECT_EQ(paths_to_check(32 * (kLeastCheckPaths + 5)), kLeastCheckPaths + 5);
+  EXPECT_EQ(paths_to_check(int64_t{1} << 40), kMostCheckPaths);
+}
+
+/// Half of the room is off by 30 %: a mean square of 0.045, and 0.09 there.
+TEST(LightCheck, ExpectsOfARegionWhatItsPathsHaveFound) {
+  const test::Room room;
+  const AnsweredLight truth = traced_light(room, 2000, 1024);
+  std::vector<float> x;
+  for (const Vec3& at : truth.position) x.push_back(at.x);
+  std::nth_element(x.begin(), x.begin() + 1000, x.end());
+  const LightCheck right = check_light(room.bvh, room.lights, truth, with_seed(3, 1 << 16));
+  EXPECT_LT(right.variance, 0.002);
+  const AnsweredLight half = scaled_below(truth, x[1000], 1.3f);
+  const LightCheck wrong = check_light(room.bvh, room.lights, half, with_seed(3, 1 << 16));
+  EXPECT_NEAR(wrong.variance, 0.045, 0.02);
+  double below = 0, above = 0;
+  for (size_t i = 0; i < half.size(); ++i) {
+    const CheckedRatio& region = wrong.regions[static_cast<size_t>(wrong.region_of[i])];
+    (half.position[i].x < x[1000] ? below : above) += region.expected_square / 1000;
+  }
+  EXPECT_NEAR(below, 0.09, 0.04);
+  EXPECT_LT(above, 0.02);
+}
+
 TEST(PlaceTree, ThreeErrorsLeaveThatChanceToAllTestsTogether) {
   for (const size_t tests : {size_t{1}, size_t{5}, size_t{65}}) {
     // Student's density of 31 degrees of freedom beyond it, to both sides.
