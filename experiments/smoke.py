@@ -111,18 +111,46 @@ def paper(subject):
         check(last < 0.6 * result["first_relmse"], f"{method} learns the box: error {last:.3f}")
     data = subject.folder / "data"
     subject.tool("lte_datagen", "generate", "--config", ROOT / "configs/data/boxes_small.yaml",
-                 "--out", data, "--scenes", 6, "--set", "rays=16", "--set", "query_points=256",
-                 "--set", "scene_points=256", "--set", "val_share=0.34", "--set", "test_share=0",
-                 "--set", "views.rays=1", "--set", "light_paths=1", "--quiet")
+                 "--out", data, "--scenes", 8, "--set", "rays=16", "--set", "query_points=256",
+                 "--set", "scene_points=256", "--set", "val_share=0.25", "--set",
+                 "test_share=0.25", "--set", "evaluation_splits=[train,test]", "--set",
+                 "views.width=32", "--set", "views.height=24", "--set", "views.rays=64", "--set",
+                 "light_paths=8", "--glb", "--quiet")
     known = {"vanilla": 189475, "encoder": 2569507, "whole": 2640579}  # parameters at width 32
     for network, parameters in known.items():
         result = subject.run("roadmap", "--network", network, "--config",
                              ROOT / "configs/train/shipped.yaml", "--data", data, "--steps", 20,
-                             "--set", "data.scene_points=256", "--set",
+                             "--looks", 2, "--set", "data.scene_points=256", "--set",
                              "data.queries_per_scene=128", "--set", "train.warmup_steps=2")
         check(result["parameters"] == parameters, f"{network} has {parameters} parameters")
         check(0 < result["loss"] < 1.5 * result["first_loss"] and
               result["loss"] != result["first_loss"], f"{network} is trained, and stays sane")
+        check([look["step"] for look in result["looks"]] == [10, 20] and
+              result["test"]["scenes"] == 2, "there are two looks, and a test")
+    rivals(subject, data)
+
+
+def rivals(subject, data):
+    """Networks of other papers, gathered light and draws of points, on the views of boxes."""
+    shading = {seconds: subject.run("deep-shading", "--data", data, "--split", "test", "--test",
+                                    data, "--seconds", seconds) for seconds in (0.5, 5)}
+    check(shading[5]["parameters"] == 133489, "Deep Shading has the authors' parameters")
+    check(shading[5]["ssim"] > shading[0.5]["ssim"] and shading[5]["loss"] < 0.5,
+          f"it learns two views by heart: SSIM {shading[5]['ssim']:.3f}")
+    points = subject.run("hermosilla", "--config", ROOT / "configs/train/shipped.yaml", "--data",
+                         data, "--test", data, "--seconds", 4, "--tuned-seconds", 4, "--set",
+                         "data.scene_points=256", "--set", "data.queries_per_scene=128")
+    check(points["tuned"]["mse"] < points["mse"], "the point network learns from a scene's points")
+    gathered = subject.run("gathered", "--data", data)
+    check(gathered["worth"] > 16 and gathered["denoised"]["worth"] > gathered["worth"],
+          f"16 gathered rays are worth {gathered['worth']:.0f} paths, and more when denoised")
+    check(gathered["mse"] < 0.5 * points["mse"], "and nearer than a network of seconds")
+    draws = {row["draw"]: row for row in
+             subject.run("sampling", "--data", data, "--checkpoint",
+                         MODELS / "lte-base.safetensors", "--candidates", 4096, "--points", 1024)}
+    check(len(draws) == 5 and draws["area"]["ratio"] == 1, "five draws are compared")
+    check(all(abs(row["points"] - 1024) < 8 and 0.2 < row["ratio"] < 5 for row in draws.values()),
+          "each has the points that were asked for, and a sane error")
 
 
 def replay(subject):

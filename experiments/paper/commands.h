@@ -11,5 +11,9 @@ namespace lte::experiments {
 std::function<void()> add_roadmap(CLI::App* app);
 std::function<void()> add_memory(CLI::App* app);
 std::function<void()> add_by_heart(CLI::App* app);
+std::function<void()> add_deep_shading(CLI::App* app);
+std::function<void()> add_hermosilla(CLI::App* app);
+std::function<void()> add_gathered(CLI::App* app);
+std::function<void()> add_sampling(CLI::App* app);
 
 }  // namespace lte::experiments

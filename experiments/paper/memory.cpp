@@ -1,7 +1,7 @@
 // experiment_paper memory: the peak memory of the forward and backward pass of a training step by
-// the number of primitives, weights and moments of the optimizer included: of our networks, and of
-// one of RenderFormer's shape (Zeng et al. 2025). A process measures one row, as memory that was
-// freed may stay with it.
+// the number of primitives, weights and moments of the optimizer included, or of an answer alone:
+// of our networks, and of one of RenderFormer's shape (Zeng et al. 2025). A process measures one
+// row, as memory that was freed may stay with it.
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -99,6 +99,7 @@ TORCH_MODULE(RenderFormerShape);
 struct Request {
   std::string network = "whole", attention = "fused";
   int64_t primitives = 1024, side = 64, channels = 128;
+  bool forward_only = false;
   CommonOptions common;
 };
 
@@ -125,17 +126,18 @@ Measured ours(const Request& request, Attention attention) {
   const nn::PointSet points = nn::synthetic_room(request.primitives, 1),
                      places = nn::synthetic_room(request.side * request.side, 2);
   const nn::QuerySet queries{places.position, places.normal, places.albedo};
-  return {network.ptr(), [=]() mutable { return network->forward(points, queries, 1); }};
+  return {network.ptr(), [=]() mutable { return network->forward({points}, {queries}, {1})[0]; }};
 }
 
 /// The optimizer as it is after a step, with both moments of each parameter.
-torch::optim::AdamW with_moments(torch::nn::Module& network) {
-  torch::optim::AdamW optimizer(network.parameters(), torch::optim::AdamWOptions(1e-4));
+std::unique_ptr<torch::optim::AdamW> with_moments(torch::nn::Module& network) {
+  auto optimizer =
+      std::make_unique<torch::optim::AdamW>(network.parameters(), torch::optim::AdamWOptions(1e-4));
   for (const at::Tensor& parameter : network.parameters()) {
     if (parameter.requires_grad()) parameter.mutable_grad() = at::zeros_like(parameter);
   }
-  optimizer.step();
-  optimizer.zero_grad();
+  optimizer->step();
+  optimizer->zero_grad();
   return optimizer;
 }
 
@@ -149,24 +151,27 @@ void run(const Request& request) {
   int64_t parameters = 0;
   for (const at::Tensor& parameter : measured.network->parameters())
     parameters += parameter.requires_grad() ? parameter.numel() : 0;
-  const torch::optim::AdamW optimizer = with_moments(*measured.network);
+  std::unique_ptr<torch::optim::AdamW> optimizer;  // its moments are held while it lives
+  if (!request.forward_only) optimizer = with_moments(*measured.network);
   reset_peak_rss();
   const double resident = current_rss_mb();
   const std::clock_t begin = std::clock();
-  measured.answer().square().mean().backward();
+  if (request.forward_only) {
+    const at::NoGradGuard no_grad;
+    measured.answer();
+  } else {
+    measured.answer().square().mean().backward();
+  }
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   std::printf("%s, %lld primitives: %.0f MB, %.2f s\n", request.network.c_str(),
               static_cast<long long>(request.primitives), peak_rss_mb(), seconds);
   if (request.common.json.empty()) return;
-  const nlohmann::json json = {{"network", request.network},
-                               {"attention", request.attention},
-                               {"primitives", request.primitives},
-                               {"rays", request.side * request.side},
-                               {"channels", request.channels},
-                               {"parameters", parameters},
-                               {"resident_mb", resident},
-                               {"peak_rss_mb", peak_rss_mb()},
-                               {"cpu_seconds", seconds}};
+  const nlohmann::json json = {
+      {"network", request.network},       {"attention", request.attention},
+      {"primitives", request.primitives}, {"rays", request.side * request.side},
+      {"channels", request.channels},     {"forward_only", request.forward_only},
+      {"parameters", parameters},         {"resident_mb", resident},
+      {"peak_rss_mb", peak_rss_mb()},     {"cpu_seconds", seconds}};
   write_file(request.common.json, json.dump(1) + "\n");
 }
 
@@ -193,6 +198,8 @@ std::function<void()> add_memory(CLI::App* app) {
   command->add_option("--channels", request->channels, "D of ours")
       ->check(CLI::Range(32, 1024))
       ->capture_default_str();
+  command->add_flag("--forward-only", request->forward_only,
+                    "An answer, without gradients and the optimizer's moments");
   add_common_options(*command, &request->common);
   return [request] { run(*request); };
 }

@@ -1,11 +1,13 @@
 // experiment_paper roadmap: trains one network of the paper's roadmap for a number of steps, and
-// measures it on the validation split.
+// measures it on the validation split on the way, and once on the test split, if there is one.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -22,6 +24,7 @@
 #include "lte/base/file.h"
 #include "lte/base/process_memory.h"
 #include "lte/cli/numbers.h"
+#include "lte/data/dataset.h"
 #include "lte/nn/loss.h"
 #include "train/config.h"
 #include "train/data/batch.h"
@@ -34,7 +37,7 @@ namespace {
 struct Request {
   std::string network = "whole", config, data;
   std::vector<std::string> overrides;
-  int64_t steps = 400;
+  int64_t steps = 400, looks = 1, scenes = 0;
   uint64_t seed = 1;
   CommonOptions common;
 };
@@ -64,7 +67,8 @@ Errors validate(RoadmapModel& model, const std::vector<train::Example>& examples
   model->eval();
   Errors sum;
   for (const train::Example& example : examples) {
-    const at::Tensor answer = model->forward(example.points, example.queries, example.seed);
+    const at::Tensor answer =
+        model->forward({example.points}, {example.queries}, {example.seed})[0];
     const double mse = (answer - example.target).square().mean().item<double>();
     sum.loss += nn::relative_loss(answer, example.target, loss).item<double>();
     sum.mse += mse;
@@ -73,6 +77,23 @@ Errors validate(RoadmapModel& model, const std::vector<train::Example>& examples
   model->train();
   const auto count = static_cast<double>(examples.size());
   return {sum.loss / count, sum.mse / count, sum.share / count};
+}
+
+/// The first scenes of a split; 0: all.
+train::SceneStore store_of(const train::TrainConfig& config, double scale, data::Split split,
+                           int64_t scenes) {
+  const std::filesystem::path root = config.data.root;
+  std::vector<data::DatasetEntry> entries = data::entries_of(data::read_dataset_info(root), split);
+  if (scenes > 0) entries.resize(std::min(entries.size(), static_cast<size_t>(scenes)));
+  return {root,
+          std::move(entries),
+          {.cache_bytes = static_cast<size_t>(config.data.cache_mb) << 20,
+           .scale = scale,
+           .light = train::LightKeys(config.model)}};
+}
+
+nlohmann::json to_json(const Errors& errors) {
+  return {{"loss", errors.loss}, {"mse", errors.mse}, {"share", errors.share}};
 }
 
 int64_t trained_parameters(const RoadmapModel& model) {
@@ -85,19 +106,26 @@ int64_t trained_parameters(const RoadmapModel& model) {
 /// The update of one step, of the mean loss over its scenes.
 double train_step(RoadmapModel& model, const std::vector<train::Example>& examples,
                   const train::TrainConfig& config, int64_t step, torch::optim::AdamW* optimizer) {
-  optimizer->zero_grad();
-  double sum = 0;
+  std::vector<nn::PointSet> points;
+  std::vector<nn::QuerySet> queries;
+  std::vector<uint64_t> seeds;
   for (const train::Example& example : examples) {
-    const at::Tensor answer = model->forward(example.points, example.queries, example.seed);
-    const at::Tensor loss = nn::relative_loss(answer, example.target, config.loss);
-    loss.div(static_cast<double>(examples.size())).backward();
-    sum += loss.item<double>();
+    points.push_back(example.points);
+    queries.push_back(example.queries);
+    seeds.push_back(example.seed);
   }
+  optimizer->zero_grad();
+  const std::vector<at::Tensor> answers = model->forward(points, queries, seeds);
+  at::Tensor sum = at::zeros({});
+  for (size_t i = 0; i < answers.size(); ++i)
+    sum = sum + nn::relative_loss(answers[i], examples[i].target, config.loss);
+  const at::Tensor loss = sum / static_cast<double>(examples.size());
+  loss.backward();
   torch::nn::utils::clip_grad_norm_(model->parameters(), config.train.clip_norm);
   for (auto& group : optimizer->param_groups())
     group.options().set_lr(train::learning_rate(config.train, step));
   optimizer->step();
-  return sum / static_cast<double>(examples.size());
+  return loss.item<double>();
 }
 
 void run(const Request& request) {
@@ -107,9 +135,14 @@ void run(const Request& request) {
   train::TrainConfig config = configuration(request);
   train::RunData data = train::open_run_data(config);
   config.model.scale = data.scale;
+  if (request.scenes > 0)
+    data.train = store_of(config, data.scale, data::Split::Train, request.scenes);
   config.model.output_mean = train::mean_target(config, &data.train);
   const std::vector<train::Example> held_out = train::validation_examples(config, &data.val);
   LTE_CHECK(!held_out.empty(), request.data, ": the validation split is empty");
+  LTE_CHECK(config.data.scene_points > 0,
+            "data.scene_points: 0 stands for all there are, but the "
+            "roadmap's networks read as many of each scene");
   torch::manual_seed(request.seed);
   RoadmapModel model(parse_enum<RoadmapNetwork>("--network", request.network), config.model);
   model->train();
@@ -119,34 +152,47 @@ void run(const Request& request) {
                                     .eps(config.train.adam_epsilon));
   const Errors first = validate(model, held_out, config.loss);
   train::BatchLoader loader(config, data.scale, &data.train);
-  double loss = 0;
-  const double begin = cpu_seconds();
-  for (int64_t step = 0; step < config.train.steps; ++step) {
-    loss = train_step(model, loader.take(step), config, step, &optimizer);
-    LTE_CHECK(std::isfinite(loss), "step ", step + 1, ": the loss is not finite");
+  double loss = 0, seconds = 0;
+  Errors last;
+  nlohmann::json looks = nlohmann::json::array();
+  for (int64_t step = 1; step <= config.train.steps; ++step) {
+    const double begin = cpu_seconds();
+    loss = train_step(model, loader.take(step - 1), config, step - 1, &optimizer);
+    LTE_CHECK(std::isfinite(loss), "step ", step, ": the loss is not finite");
+    seconds += cpu_seconds() - begin;
+    const auto due = static_cast<int64_t>(looks.size()) + 1;
+    if (step * request.looks < due * config.train.steps) continue;
+    last = validate(model, held_out, config.loss);
+    looks.push_back(to_json(last));
+    looks.back().update({{"step", step}, {"cpu_seconds", seconds}});
   }
-  const double seconds = cpu_seconds() - begin;
-  const Errors last = validate(model, held_out, config.loss);
+  train::SceneStore test_scenes = store_of(config, data.scale, data::Split::Test, 0);
+  const std::vector<train::Example> test = train::validation_examples(config, &test_scenes);
   std::printf("%s, seed %llu: error %.4g at first, %.4g after %lld steps of %.0f ms\n",
               request.network.c_str(), static_cast<unsigned long long>(request.seed), first.share,
               last.share, static_cast<long long>(request.steps),
               1e3 * seconds / static_cast<double>(request.steps));
   if (request.common.json.empty()) return;
-  const nlohmann::json json = {{"network", request.network},
-                               {"seed", request.seed},
-                               {"steps", request.steps},
-                               {"scenes", data.train.size()},
-                               {"held_out_scenes", held_out.size()},
-                               {"parameters", trained_parameters(model)},
-                               {"train_loss", loss},
-                               {"first_loss", first.loss},
-                               {"first_mse", first.mse},
-                               {"loss", last.loss},
-                               {"mse", last.mse},
-                               {"first_share", first.share},
-                               {"share", last.share},
-                               {"cpu_seconds", seconds},
-                               {"peak_rss_mb", peak_rss_mb()}};
+  nlohmann::json json = {{"network", request.network},
+                         {"seed", request.seed},
+                         {"steps", request.steps},
+                         {"scenes", data.train.size()},
+                         {"held_out_scenes", held_out.size()},
+                         {"parameters", trained_parameters(model)},
+                         {"train_loss", loss},
+                         {"first_loss", first.loss},
+                         {"first_mse", first.mse},
+                         {"loss", last.loss},
+                         {"mse", last.mse},
+                         {"first_share", first.share},
+                         {"share", last.share},
+                         {"looks", looks},
+                         {"cpu_seconds", seconds},
+                         {"peak_rss_mb", peak_rss_mb()}};
+  if (!test.empty()) {
+    json["test"] = to_json(validate(model, test, config.loss));
+    json["test"]["scenes"] = test.size();
+  }
   write_file(request.common.json, json.dump(1) + "\n");
 }
 
@@ -163,6 +209,12 @@ std::function<void()> add_roadmap(CLI::App* app) {
   command->add_option("--data", request->data, "Data set with a validation split")->required();
   command->add_option("--set", request->overrides, "Override a key: key=value")->take_all();
   command->add_option("--steps", request->steps, "Training steps")
+      ->check(positive_number())
+      ->capture_default_str();
+  command->add_option("--scenes", request->scenes, "Of the training split, the first; 0: all")
+      ->check(non_negative_number())
+      ->capture_default_str();
+  command->add_option("--looks", request->looks, "At the validation split in the course of them")
       ->check(positive_number())
       ->capture_default_str();
   command->add_option("--seed", request->seed, "Of weights and examples")->capture_default_str();

@@ -28,10 +28,10 @@ GlobalAttentionImpl::GlobalAttentionImpl(int64_t channels, int64_t heads, Attent
 }
 
 at::Tensor GlobalAttentionImpl::forward(const at::Tensor& x, const at::Tensor& context) {
-  const int64_t N = x.size(0), C = x.size(1), n = context.size(0), d = C / heads_;
-  const at::Tensor q = query_->forward(x).view({1, N, heads_, d}).transpose(1, 2);
+  const int64_t N = x.size(-2), C = x.size(-1), n = context.size(-2), d = C / heads_;
+  const at::Tensor q = query_->forward(x).view({-1, N, heads_, d}).transpose(1, 2);
   const std::vector<at::Tensor> kv =
-      key_value_->forward(context).view({1, n, 2, heads_, d}).unbind(2);
+      key_value_->forward(context).view({-1, n, 2, heads_, d}).unbind(2);
   const at::Tensor k = kv[0].transpose(1, 2), v = kv[1].transpose(1, 2);
   at::Tensor attended;
   if (attention_ == Attention::Fused) {
@@ -40,7 +40,7 @@ at::Tensor GlobalAttentionImpl::forward(const at::Tensor& x, const at::Tensor& c
     const double scale = 1 / std::sqrt(static_cast<double>(d));
     attended = at::matmul(at::softmax(at::matmul(q * scale, k.transpose(2, 3)), 3), v);
   }
-  return output_->forward(attended.transpose(1, 2).reshape({N, C}));
+  return output_->forward(attended.transpose(1, 2).reshape(x.sizes()));
 }
 
 GlobalBlockImpl::GlobalBlockImpl(int64_t channels, int64_t heads, Attention attention)
@@ -97,33 +97,50 @@ RoadmapModelImpl::RoadmapModelImpl(RoadmapNetwork network, const nn::ModelConfig
   }
 }
 
-at::Tensor RoadmapModelImpl::vanilla_features(const nn::PointSet& points,
-                                              const at::Tensor& position) {
-  const at::Tensor scale = nn::emission_scale(points).to(points.emission.options());
-  const at::Tensor emission = at::log1p(points.emission / at::where(scale > 0, scale, 1));
-  at::Tensor x = point_->forward(
-      at::cat({nn::surface_attributes(position, points.normal, points.albedo), emission}, 1));
+std::vector<RoadmapModelImpl::Latents> RoadmapModelImpl::vanilla(
+    const std::vector<nn::PointSet>& points) {
+  std::vector<Latents> out;
+  std::vector<at::Tensor> inputs;
+  for (const nn::PointSet& scene : points) {
+    const at::Tensor origin = std::get<0>(scene.position.min(0));
+    const at::Tensor position = (scene.position - origin).div(config_.scale);
+    const at::Tensor scale = nn::emission_scale(scene).to(scene.emission.options());
+    const at::Tensor emission = at::log1p(scene.emission / at::where(scale > 0, scale, 1));
+    inputs.push_back(
+        at::cat({nn::surface_attributes(position, scene.normal, scene.albedo), emission}, 1));
+    out.push_back({origin, position, {}});
+  }
+  at::Tensor x = point_->forward(at::stack(inputs));
   for (GlobalBlock& block : blocks_) x = block->forward(x);
-  return norm_->forward(x);
+  x = norm_->forward(x);
+  for (size_t i = 0; i < out.size(); ++i) out[i].features = x[static_cast<int64_t>(i)];
+  return out;
 }
 
-at::Tensor RoadmapModelImpl::forward(const nn::PointSet& points, const nn::QuerySet& queries,
-                                     uint64_t order_seed) {
-  at::Tensor origin, anchor, features;
+std::vector<at::Tensor> RoadmapModelImpl::forward(const std::vector<nn::PointSet>& points,
+                                                  const std::vector<nn::QuerySet>& queries,
+                                                  const std::vector<uint64_t>& order_seeds) {
+  std::vector<Latents> latents;
   if (network_ == RoadmapNetwork::Vanilla) {
-    origin = std::get<0>(points.position.min(0));
-    anchor = (points.position - origin).div(config_.scale);
-    features = vanilla_features(points, anchor);
+    latents = vanilla(points);
   } else {
-    const nn::SceneBatch batch = model_->encode_batch({points}, {order_seed});
-    if (network_ == RoadmapNetwork::Whole) return model_->decode_normalized(batch, {queries})[0];
-    origin = batch.scenes[0].origin;
-    anchor = batch.scenes[0].position;
-    features = batch.features;
+    const nn::SceneBatch batch = model_->encode_batch(points, order_seeds);
+    if (network_ == RoadmapNetwork::Whole) return model_->decode_normalized(batch, queries);
+    int64_t begin = 0;
+    for (const nn::Embedding& scene : batch.scenes) {
+      const int64_t count = scene.position.size(0);
+      latents.push_back({scene.origin, scene.position, batch.features.narrow(0, begin, count)});
+      begin += count;
+    }
   }
-  const at::Tensor position = (queries.position - origin).div(config_.scale);
-  return pool_->forward(nn::surface_attributes(position, queries.normal, queries.albedo), position,
-                        anchor, features);
+  std::vector<at::Tensor> answers;
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const nn::QuerySet& query = queries[i];
+    const at::Tensor position = (query.position - latents[i].origin).div(config_.scale);
+    answers.push_back(pool_->forward(nn::surface_attributes(position, query.normal, query.albedo),
+                                     position, latents[i].position, latents[i].features));
+  }
+  return answers;
 }
 
 }  // namespace lte::experiments

@@ -35,9 +35,9 @@ class GlobalAttentionImpl : public torch::nn::Module {
  public:
   GlobalAttentionImpl(int64_t channels, int64_t heads, Attention attention);
 
-  /// @param x        [N, C]
-  /// @param context  [n, C]
-  /// @return         [N, C]
+  /// @param x        [N, C], or [B, N, C] of sets that do not see one another
+  /// @param context  [n, C], or [B, n, C]
+  /// @return         as x
   at::Tensor forward(const at::Tensor& x, const at::Tensor& context);
 
  private:
@@ -91,12 +91,19 @@ class RoadmapModelImpl : public torch::nn::Module {
   RoadmapModelImpl(RoadmapNetwork network, const nn::ModelConfig& config,
                    Attention attention = Attention::Fused);
 
-  /// @param order_seed  of the encoder's curves in training
-  /// @return  [Q, 3] irradiance over the emission scale
-  at::Tensor forward(const nn::PointSet& points, const nn::QuerySet& queries, uint64_t order_seed);
+  /// Some scenes in one pass, in which none sees another.
+  /// @param order_seeds  of the encoder's curves in training, one a scene
+  /// @return  of each scene [Q, 3] irradiance over the emission scale
+  std::vector<at::Tensor> forward(const std::vector<nn::PointSet>& points,
+                                  const std::vector<nn::QuerySet>& queries,
+                                  const std::vector<uint64_t>& order_seeds);
 
  private:
-  at::Tensor vanilla_features(const nn::PointSet& points, const at::Tensor& position);
+  /// Features of a scene's latents, and where these lie.
+  struct Latents {
+    at::Tensor origin, position, features;
+  };
+  std::vector<Latents> vanilla(const std::vector<nn::PointSet>& points);
 
   RoadmapNetwork network_;
   nn::ModelConfig config_;

@@ -93,7 +93,7 @@ class Axis:
         return self.first + share * (self.last - self.first)
 
     def ticks(self):
-        for power in range(-4, 5):
+        for power in range(-4, 9):
             for digit in (1, 2, 5):
                 value = digit * 10.0**power
                 if self.low <= math.log(value) <= self.high:

@@ -6,20 +6,19 @@ from paper_words import digits
 
 HEAD = """# The paper's tables and figures, measured here
 
-Every table and figure of the paper with its numbers, and ours beside them.
-`scripts/figures/paper.py ROW` measures a row; `--list` says what each costs, and `--keep ROW`
-with `--page` put it here.
+`scripts/figures/paper.py ROW` measures a row, `--list` says what each costs, and `--keep ROW
+--page` puts it here.
 
 ```sh no-run
 scripts/figures/paper.py all --quick        # small data: 20 minutes of two cores
 scripts/figures/paper.py all                # within a day of two cores
 ```
 
-**What differs.** The paper trained 42 M parameters on 13,900 scenes for two million steps, a week
-of four GPUs. Networks here are lte-base (3.2 M parameters, with light solved on its scene points)
-or were trained for minutes on boxes, at width 32. MSE is over the mean emission: errors do not
-compare with the paper's, the order of rows does. Rows marked *quick* come from `--quick`: few
-scenes, short trainings; ± is half the distance of two seeds.
+**What differs.** The paper trained 42 M parameters on 13,900 scenes for a week of four GPUs. Here
+networks are lte-base (3.2 M parameters, light solved on its scene points) or were trained for
+minutes at width 32. MSE is over the mean emission: not errors compare with the paper's, but the
+order of rows. *Quick*: by `--quick`, few scenes, short trainings; ± is half the distance of two
+seeds.
 
 | paper | there | here | row |
 |---|---|---|---|
@@ -31,17 +30,14 @@ OTHERS = (
      "[architecture.md](architecture.md), [dataset.md](dataset.md)", ""),
     ("Figure 3: attention", "picture", "drawn on demand",
      "`experiment_attention SCENE.glb --point X,Y,Z --out a.png`"),
-    ("Table 1: Deep Shading, Hermosilla", "MSE .071, .171", "not run: neither is written", ""),
     ("Figure 8: full renderings", "pictures", "[README](../README.md)", "`lte_render`"),
     ("Table 2: structure", "42 M parameters", "41,932,803",
      "`lte_train --config configs/model/paper.yaml --dry-run`"),
-    ("Cornell box by RenderFormer", "picture", "not run: its weights are not at hand", ""),
     ("Radiance, spherical harmonics by degree", "curve", "[lab](lab/radiance.md)",
      "`experiment_directions`"),
     ("Path guiding", "picture at 2 paths", "[lab](lab/radiance.md)", "`experiment_guiding`"),
     ("Time on a GPU", "208 + 368 ms", "[lab](lab/gpu.md)",
      "`lte_bench encoder`"),
-    ("Sampling of scene points", "no effect", "not run: no key chooses a strategy", ""),
 )
 
 PICTURE = """
@@ -63,9 +59,9 @@ def cell(value):
 
 
 def table(row, rows):
-    lines = ["| " + " | ".join(head for head, _ in row.columns) + " |",
+    lines = ["|" + "|".join(head for head, _ in row.columns) + "|",
              "|---|" + "---:|" * (len(row.columns) - 1)]
-    lines += ["| " + " | ".join(cell(each.get(key)) for _, key in row.columns) + " |"
+    lines += ["|" + "|".join(cell(each.get(key)) for _, key in row.columns) + "|"
               for each in rows]
     return "\n".join(lines) + "\n"
 

@@ -2,13 +2,18 @@
 scripts/figures/paper.py runs the commands and writes the page."""
 import dataclasses
 import json
+import pathlib
 import typing
 
+import paper_cornell
 import paper_edits
-from paper_eval import (EVAL_COLUMNS, eval_line, failures, generated, size_line,
-                        statistics_of_scenes, table1)
+import paper_growth
+from paper_eval import (EVAL_COLUMNS, eval_line, evaluated, failures, generated, homes, size_line,
+                        statistics_of_scenes)
+from paper_rivals import rivals
 from paper_words import digits, mean_of, spread_of
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROOM = paper_edits.ROOM
 NETWORKS = ("vanilla", "encoder", "whole")
 HARDLY_TRAINED = 0.5  # of the first error: a network above it has learnt next to nothing
@@ -25,29 +30,59 @@ class Row:
     columns: tuple[tuple[str, str], ...]  # heading, key of a row
 
 
+def table1(run):
+    data = homes(run)
+    return evaluated(run, "homes", data) + rivals(run, data)
+
+
+def sampling(run):
+    """Of homes, what points drawn in one way or another are worth to lte-base."""
+    return run.tool("sampling", "experiment_paper", "sampling", "--data", homes(run),
+                    "--checkpoint", "assets/models/lte-base.safetensors", "--candidates",
+                    run.size(65_536, 32_768), "--threads", 1)
+
+
+def sampling_line(rows):
+    return "error over that of even points: " + "; ".join(
+        f"{row['draw']} {digits(row['ratio'])} ({cell_range(row['ratio_interval'])})"
+        for row in rows[1:])
+
+
+def cell_range(values):
+    return " to ".join(digits(value, 2) for value in values)
+
+
 # Trainings.
 
 def boxes(run):
     return generated(run, "boxes", "boxes_small", run.size(1500, 240), 4057, "rays=64",
                      "query_points=4096", "scene_points=2048", "views.rays=32", "views.width=32",
-                     "views.height=24", "val_share=0.1", "test_share=0", "light_paths=1",
+                     "views.height=24", "val_share=0.1", "test_share=0.1", "light_paths=1",
                      "path_tracing_64=false", "boxes.texture_sizes=[64]")
 
 
-def roadmap(run):
-    data = boxes(run)
+def trained(run, label, network, seed, steps, words=()):
+    """One network of the roadmap, trained on boxes."""
     settings = [f"data.scene_points={run.size(2048, 512)}", "data.queries_per_scene=256",
-                f"train.scenes_per_step={run.size(2, 1)}", "train.validation_scenes=0"]
-    words = [word for setting in settings for word in ("--set", setting)]
+                "train.scenes_per_step=4", "train.validation_scenes=0"]
+    return run.tool(label, "experiment_paper", "roadmap", "--network", network, "--config",
+                    "configs/train/shipped.yaml", "--data", boxes(run), "--steps", steps, "--seed",
+                    seed, "--threads", 1, *(w for s in settings for w in ("--set", s)), *words)
+
+
+def roadmap(run):
     rows = []
     for seed in (1, 2):
         for network in NETWORKS:
-            found = run.tool(f"{network}-{seed}", "experiment_paper", "roadmap", "--network",
-                             network, "--config", "configs/train/shipped.yaml", "--data", data,
-                             "--steps", run.size(3000, 1000), "--seed", seed, "--threads", 1,
-                             *words)
+            found = trained(run, f"{network}-{seed}", network, seed, run.size(3000, 500),
+                            ["--looks", 5])
             rows.append(found | {"step_ms": 1e3 * found["cpu_seconds"] / found["steps"]})
     return rows
+
+
+def growth(run):
+    return paper_growth.growth(run, lambda label, seed, words: trained(
+        run, label, "whole", seed, run.size(3000, 200), words))
 
 
 def roadmap_line(rows):
@@ -56,7 +91,11 @@ def roadmap_line(rows):
     each = "; ".join(f"{name} {spread_of(rows, 'share', network=key)} "
                      f"({digits(mean_of(rows, 'step_ms', network=key), 2)} ms a step)"
                      for name, key in names)
-    verdict = "" if best < HARDLY_TRAINED * first else "; hardly trained: the order says nothing"
+    verdict = ""
+    if best > HARDLY_TRAINED * first:
+        (early, above), (late, least) = (paper_growth.steps_of_demo(ROOT)[i] for i in (0, -1))
+        verdict = (f"; hardly trained, so the order says nothing: lte-demo, the whole network, had "
+                   f"{digits(above / least, 2)} times its last error at step {early:,} of {late:,}")
     return f"MSE / mean square, {digits(first)} at first: {each}{verdict}"
 
 
@@ -206,7 +245,18 @@ def flicker_line(rows):
 
 ROWS = (
     Row("table1", "Table 1; figure 7", "MSE .048, SSIM .912; 64 paths .051, .425",
-        "15 min; 3 min", table1, eval_line, EVAL_COLUMNS),
+        "4 h; 12 min", table1, eval_line, EVAL_COLUMNS),
+    Row("sampling", "Sampling of scene points", "no effect", "10 min; 1 min", sampling,
+        sampling_line,
+        (("draw", "draw"), ("points", "points"), ("MSE", "mse"), ("over even", "ratio"),
+         ("95 %", "ratio_interval"))),
+    Row("cornell", "Cornell box by RenderFormer", "picture", "20 min; 1 min",
+        paper_cornell.cornell, paper_cornell.line,
+        (("triangles", "triangles"), ("relative MSE", "relmse"), ("FLIP", "flip"),
+         ("CPU s", "cpu"), ("peak MB", "peak_rss_mb"), ("its shape: CPU s", "rf_cpu"),
+         ("MB", "rf_mb"))),
+    Row("growth", "Growth", "two points: PSNR by points", "3 h; 4 min", growth, paper_growth.line,
+        (("of", "kind"), ("value", "value"), ("seed", "seed"), ("MSE", "mse"))),
     Row("statistics", "Scene statistics", "0.8 to 6 M triangles, 29 to 51 textures of 1024²",
         "8 min; 1 min", statistics_of_scenes, size_line, EVAL_COLUMNS),
     Row("failures", "Failures: lamp next door", "a picture", "8 min; 1 min", failures, eval_line,

@@ -11,7 +11,15 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts" / "figures" / "paper.py"
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SCRIPT.parent))
+import paper_cornell  # noqa: E402
 import paper_edits  # noqa: E402
+import paper_growth  # noqa: E402
+
+
+def area(corners):
+    """Of a triangle, with its normal: half the cross product of two edges."""
+    (a, b, c), (d, e, f) = ([q - p for p, q in zip(corners[0], corner)] for corner in corners[1:])
+    return (b * f - c * e) / 2, (c * d - a * f) / 2, (a * e - b * d) / 2
 
 # Writes a result to the file behind --json, and counts how often it was run.
 PROGRAM = """#!/usr/bin/env python3
@@ -52,7 +60,7 @@ class Paper(unittest.TestCase):
         self.assertEqual(row["command"], "scripts/figures/paper.py flicker --quick")
         self.assertEqual(row["rows"], [{"answers": 1234, "largest_change": 0.5}])
         self.assertTrue(row["commands"][0].startswith("experiment_consistency "))
-        self.assertIn("| 1,234 | 0.5 |", self.paper("--table", "flicker").stdout)
+        self.assertIn("|1,234|0.5|", self.paper("--table", "flicker").stdout)
 
     def test_a_table_without_a_run_names_the_command_that_makes_it(self):
         done = self.paper("--table", "roadmap", "--quick")
@@ -93,6 +101,31 @@ class Paper(unittest.TestCase):
                           for a, b in zip(before[key], after[key]))
             self.assertEqual(differs, {"none": 0, "lamp moved 1 m": 3, "sofa moved 0.6 m": 4}
                              .get(change, 1), change)
+
+
+    def test_a_power_law_has_its_exponent_and_an_interval(self):
+        xs = (10, 30, 100, 300, 1000)
+        slope, half = paper_growth.power_law([(x, 5 * x ** -0.4) for x in xs])
+        self.assertAlmostEqual(slope, -0.4)
+        self.assertLess(half, 1e-6)
+        _, half = paper_growth.power_law([(x, 5 * x ** -0.4 * (1.2 if i % 2 else 0.8))
+                                          for i, x in enumerate(xs)])
+        self.assertGreater(half, 0.1)
+
+    def test_a_triangle_is_filled_by_smaller_ones_wound_alike(self):
+        corners = ((0.0, 0.0, 1.0), (2.0, 0.5, 0.0), (-1.0, 3.0, 0.5))
+        positions, triangles = paper_cornell.divided(corners, 5)
+        self.assertEqual(len(triangles), 25)
+        for triangle in triangles:
+            for part, whole in zip(area([positions[i] for i in triangle]), area(corners)):
+                self.assertAlmostEqual(part, whole / 25)
+
+    def test_the_box_keeps_its_surface(self):
+        with tempfile.TemporaryDirectory() as folder:
+            box = pathlib.Path(folder) / "box.glb"
+            self.assertEqual(paper_cornell.tessellated(ROOT / paper_cornell.BOX, box, 3), 32 * 9)
+            again = pathlib.Path(folder) / "again.glb"
+            self.assertEqual(paper_cornell.tessellated(box, again, 2), 32 * 36)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,212 @@
+// experiment_paper hermosilla: trains the point network for some time on the scenes of a data set,
+// and scores it on the views of another, as trained and after some steps on each scene's points.
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <torch/optim/adam.h>
+#include <torch/types.h>
+
+#include "bench/begin_command.h"
+#include "experiments/paper/commands.h"
+#include "experiments/paper/point_network.h"
+#include "experiments/paper/timed_training.h"
+#include "experiments/paper/view_scores.h"
+#include "infer/tool/tool_options.h"
+#include "lte/base/check.h"
+#include "lte/base/config.h"
+#include "lte/base/file.h"
+#include "lte/cli/numbers.h"
+#include "lte/nn/loss.h"
+#include "train/config.h"
+#include "train/data/batch.h"
+#include "train/data/run_data.h"
+
+namespace lte::experiments {
+namespace {
+
+constexpr double kTunedRate = 0.3;  // of the rate of training
+
+struct Request {
+  std::string config, data, test;
+  std::vector<std::string> overrides;
+  TimedTraining training;
+  double tuned_seconds = 0;  ///< on each scene that is scored
+  uint64_t seed = 1;
+  CommonOptions common;
+};
+
+train::TrainConfig configuration(const Request& request) {
+  std::vector<std::string> overrides = request.overrides;
+  overrides.push_back("data.root=" + nlohmann::json(request.data).dump());
+  overrides.push_back(concat("seed=", request.seed));
+  overrides.emplace_back("model.light_input=traced");  // direct light on scene points is read
+  return train::TrainConfig::read(Config::load(request.config, overrides));
+}
+
+/// A scene that is scored, as the network reads it, and what is known there to be tuned on.
+struct TestScene {
+  train::Example example;
+  PointLevels levels;
+};
+
+TestScene test_scene(const EvalScene& scene, const train::TrainConfig& config) {
+  const train::TrainingScene read =
+      train::read_training_scene(scene.path, scene.sample.name, nn::LightInput::Traced);
+  Rng rng(config.seed);
+  train::Example example = train::make_example(read, train::identity_symmetry(read.light_groups),
+                                               config.data.scene_points, /*queries=*/0, &rng);
+  PointLevels levels = point_levels(example.points);
+  return {std::move(example), std::move(levels)};
+}
+
+nn::QuerySet queries_of(const infer::ViewPixels& pixels) {
+  const auto tensor = [](const std::vector<Vec3>& values) {
+    at::Tensor out = at::empty({static_cast<int64_t>(values.size()), 3}, at::kFloat);
+    std::copy(values.begin(), values.end(), reinterpret_cast<Vec3*>(out.data_ptr<float>()));
+    return out;
+  };
+  return {tensor(pixels.position), tensor(pixels.normal), tensor(pixels.albedo)};
+}
+
+std::vector<Rgb> answer(PointNetwork& network, const TestScene& scene, const EvalScene& eval,
+                        const infer::ViewPixels& pixels) {
+  const at::NoGradGuard no_grad;
+  const at::Tensor light = network->forward(scene.levels, queries_of(pixels))
+                               .mul(scene.levels.scale.to(at::kFloat) / eval.radiance)
+                               .contiguous();
+  const auto* values = reinterpret_cast<const Rgb*>(light.const_data_ptr<float>());
+  return {values, values + light.size(0)};
+}
+
+class Training {
+ public:
+  Training(const Request& request, const train::TrainConfig& config)
+      : request_(request),
+        config_(config),
+        data_(train::open_run_data(config)),
+        network_(train::mean_target(config, &data_.train)) {}
+
+  int64_t train() {
+    torch::optim::Adam optimizer(network_->parameters(), torch::optim::AdamOptions());
+    train::BatchLoader loader(config_, data_.scale, &data_.train);
+    int64_t step = 0;
+    return train_for(request_.training, optimizer, [&] {
+      at::Tensor sum = at::zeros({});
+      const std::vector<train::Example> examples = loader.take(step++);
+      for (const train::Example& example : examples)
+        sum = sum +
+              loss_of(example, point_levels(example.points)) / static_cast<double>(examples.size());
+      loss_ = sum.item<double>();
+      return sum;
+    });
+  }
+
+  /// Scores the network on views; with `tuned_seconds`, after so long on each scene's query points.
+  nlohmann::json score(const std::vector<EvalScene>& test, double tuned_seconds) {
+    std::map<std::string, TestScene> known;
+    const std::vector<at::Tensor> trained = copies();
+    return score_views(
+        test, [&](const EvalScene& scene, const data::View&, const infer::ViewPixels& pixels) {
+          auto found = known.find(scene.sample.name);
+          if (found == known.end()) {
+            found = known.emplace(scene.sample.name, test_scene(scene, config_)).first;
+            if (tuned_seconds > 0) tune(found->second, trained, tuned_seconds);
+          }
+          return answer(network_, found->second, scene, pixels);
+        });
+  }
+
+  double loss() const { return loss_; }
+  int64_t scenes() const { return static_cast<int64_t>(data_.train.size()); }
+  int64_t parameters() const {
+    int64_t count = 0;
+    for (const at::Tensor& parameter : network_->parameters()) count += parameter.numel();
+    return count;
+  }
+
+ private:
+  at::Tensor loss_of(const train::Example& example, const PointLevels& levels) {
+    return nn::relative_loss(network_->forward(levels, example.queries), example.target,
+                             config_.loss);
+  }
+
+  std::vector<at::Tensor> copies() const {
+    std::vector<at::Tensor> out;
+    for (const at::Tensor& parameter : network_->parameters())
+      out.push_back(parameter.detach().clone());
+    return out;
+  }
+
+  void tune(const TestScene& scene, const std::vector<at::Tensor>& from, double seconds) {
+    {
+      const at::NoGradGuard no_grad;
+      std::vector<at::Tensor> parameters = network_->parameters();
+      for (size_t i = 0; i < parameters.size(); ++i) parameters[i].copy_(from[i]);
+    }
+    torch::optim::Adam optimizer(network_->parameters(), torch::optim::AdamOptions());
+    train_for({seconds, kTunedRate * request_.training.rate}, optimizer,
+              [&] { return loss_of(scene.example, scene.levels); });
+  }
+
+  const Request& request_;
+  const train::TrainConfig& config_;
+  train::RunData data_;
+  PointNetwork network_;
+  double loss_ = 0;
+};
+
+void run(const Request& request) {
+  CommandFiles files;
+  files.reads("--config", request.config);
+  bench::begin_command(request.common, &files);
+  const train::TrainConfig config = configuration(request);
+  const std::vector<EvalScene> test = read_eval_scenes(request.test, data::Split::Test);
+  torch::manual_seed(request.seed);
+  Training training(request, config);
+  const int64_t steps = training.train();
+  nlohmann::json json = training.score(test, 0);
+  if (request.tuned_seconds > 0) json["tuned"] = training.score(test, request.tuned_seconds);
+  std::printf("hermosilla: %lld steps, MSE %.4g, SSIM %.3f\n", static_cast<long long>(steps),
+              json["mse"].get<double>(), json["ssim"].get<double>());
+  if (request.common.json.empty()) return;
+  json.update({{"parameters", training.parameters()},
+               {"training_scenes", training.scenes()},
+               {"steps", steps},
+               {"seconds", request.training.seconds},
+               {"tuned_seconds", request.tuned_seconds},
+               {"seed", request.seed},
+               {"loss", training.loss()}});
+  write_file(request.common.json, json.dump(1) + "\n");
+}
+
+}  // namespace
+
+std::function<void()> add_hermosilla(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  CLI::App* command = app->add_subcommand(
+      "hermosilla", "Train the point network of Hermosilla et al., as the paper improved it");
+  command->add_option("--config", request->config, "Training configuration (.yaml)")->required();
+  command->add_option("--data", request->data, "Data set with direct light on scene points")
+      ->required();
+  command->add_option("--test", request->test, "Data set whose test split is scored")->required();
+  command->add_option("--set", request->overrides, "Override a key: key=value")->take_all();
+  command->add_option("--seconds", request->training.seconds, "Processor time of training")
+      ->check(positive_number())
+      ->capture_default_str();
+  command
+      ->add_option("--tuned-seconds", request->tuned_seconds,
+                   "Processor time on the query points of each test scene, for a second score")
+      ->check(non_negative_number())
+      ->capture_default_str();
+  command->add_option("--seed", request->seed, "Of weights and examples")->capture_default_str();
+  add_common_options(*command, &request->common);
+  return [request] { run(*request); };
+}
+
+}  // namespace lte::experiments

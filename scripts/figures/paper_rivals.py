@@ -1,0 +1,39 @@
+"""What Table 1 compares the network with and lte_eval does not have: networks of other papers,
+trained here, and gathered light."""
+from paper_eval import evaluated, generated
+
+
+def training_rooms(run):
+    """Homes, boxes and wild rooms with views and direct light on scene points."""
+    return generated(run, "rivals", "mixed", run.size(900, 40), 990057, "mixed.homes=0.6",
+                     "mixed.boxes=0.2", "mixed.wild=0.2", "evaluation_splits=[train]",
+                     "path_tracing_64=false", "scene_points=4096", "query_points=2048", "rays=64",
+                     "light_paths=16", "views.count=2", "views.width=48", "views.height=36",
+                     "views.rays=256")
+
+
+def deep_shading(run, label, data, test, split):
+    return run.tool(label, "experiment_paper", "deep-shading", "--data", data, "--split", split,
+                    "--test", test, "--seconds", run.size(1800, 45), "--threads", 1)
+
+
+def rivals(run, test):
+    """@param test  data set of homes with views and .glb files"""
+    demo = evaluated(run, "demo", test, checkpoint="lte-demo")
+    by_heart = deep_shading(run, "by-heart", test, test, "test")
+    gathered = run.tool("gathered", "experiment_paper", "gathered", "--data", test, "--threads", 1)
+    rooms = training_rooms(run)
+    points = run.tool("hermosilla", "experiment_paper", "hermosilla", "--config",
+                      "configs/train/shipped.yaml", "--data", rooms, "--test", test, "--set",
+                      "data.queries_per_scene=512", "--set", "train.scenes_per_step=1", "--seconds",
+                      run.size(3600, 90), "--tuned-seconds", run.size(30, 1.5), "--threads", 1)
+    found = (("Deep Shading, by heart", by_heart),
+             ("Deep Shading", deep_shading(run, "deep-shading", rooms, test, "train")),
+             ("Hermosilla, improved", points),
+             ("the same, tuned to each home", points["tuned"]), ("gathered, 16 rays", gathered),
+             ("gathered, 16 rays, denoised", gathered["denoised"]))
+    rows = [{"scenes": "homes", "method": name, "count": each["scenes"]}
+            | {key: each[key] for key in ("mse", "interval", "ssim", "flip", "worth")}
+            for name, each in found]
+    return rows + [row | {"scenes": "homes", "method": "paper's network, on boxes (lte-demo)"}
+                   for row in demo if row["method"] == "network, decoded"]
