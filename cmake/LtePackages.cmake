@@ -46,8 +46,7 @@ set(CPACK_DEBIAN_MODELS_PACKAGE_NAME lte-models)
 set(CPACK_DEBIAN_MODELS_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_MODELS_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_COMPONENT_MODELS_DESCRIPTION
-"Trained networks for the tools of lte that were built with LibTorch, in
-safetensors. The tools of the package lte use none.")
+"Trained networks for the tools of lte, in safetensors.")
 include(CPack)
 # What Debian expects in each package.
 execute_process(COMMAND git log -1 --format=%aD WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}

@@ -39,13 +39,13 @@ constexpr int64_t kRayInputs = 3 * kBundle * kBundle, kRayOutputs = kRayInputs;
 class RenderFormerLayerImpl : public torch::nn::Module {
  public:
   RenderFormerLayerImpl(bool reads_context, Attention attention) {
-    self_norm_ = register_module("self_norm", nn::layer_norm(kWidth));
+    self_norm_ = register_module("self_norm", nn::LayerNorm(kWidth));
     self_ = register_module("self", GlobalAttention(kWidth, kHeads, attention));
     if (reads_context) {
-      cross_norm_ = register_module("cross_norm", nn::layer_norm(kWidth));
+      cross_norm_ = register_module("cross_norm", nn::LayerNorm(kWidth));
       cross_ = register_module("cross", GlobalAttention(kWidth, kHeads, attention));
     }
-    norm_ = register_module("norm", nn::layer_norm(kWidth));
+    norm_ = register_module("norm", nn::LayerNorm(kWidth));
     gate_ = register_module("gate", nn::Linear(kWidth, kFeedForward));
     up_ = register_module("up", nn::Linear(kWidth, kFeedForward));
     down_ = register_module("down", nn::Linear(kFeedForward, kWidth));
@@ -61,7 +61,7 @@ class RenderFormerLayerImpl : public torch::nn::Module {
   }
 
  private:
-  torch::nn::LayerNorm self_norm_{nullptr}, cross_norm_{nullptr}, norm_{nullptr};
+  nn::LayerNorm self_norm_{nullptr}, cross_norm_{nullptr}, norm_{nullptr};
   GlobalAttention self_{nullptr}, cross_{nullptr};
   nn::Linear gate_{nullptr}, up_{nullptr}, down_{nullptr};
 };

@@ -44,8 +44,8 @@ at::Tensor GlobalAttentionImpl::forward(const at::Tensor& x, const at::Tensor& c
 }
 
 GlobalBlockImpl::GlobalBlockImpl(int64_t channels, int64_t heads, Attention attention)
-    : norm1_(register_module("norm1", nn::layer_norm(channels))),
-      norm2_(register_module("norm2", nn::layer_norm(channels))),
+    : norm1_(register_module("norm1", nn::LayerNorm(channels))),
+      norm2_(register_module("norm2", nn::LayerNorm(channels))),
       attention_(register_module("attention", GlobalAttention(channels, heads, attention))),
       mlp_(register_module("mlp", Mlp(channels, nn::kFfnRatio * channels, channels))) {}
 
@@ -85,7 +85,7 @@ RoadmapModelImpl::RoadmapModelImpl(RoadmapNetwork network, const nn::ModelConfig
     for (int64_t i = 0; i < kVanillaLayers; ++i)
       blocks_.push_back(
           register_module("block" + std::to_string(i), GlobalBlock(D, heads, attention)));
-    norm_ = register_module("norm", nn::layer_norm(D));
+    norm_ = register_module("norm", nn::LayerNorm(D));
     pool_ = register_module("pool", NeighbourMean(D, config));
     return;
   }

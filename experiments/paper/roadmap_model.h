@@ -54,7 +54,7 @@ class GlobalBlockImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& x);
 
  private:
-  torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
+  nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
   GlobalAttention attention_{nullptr};
   nn::Mlp mlp_{nullptr};
 };
@@ -109,7 +109,7 @@ class RoadmapModelImpl : public torch::nn::Module {
   nn::ModelConfig config_;
   nn::Mlp point_{nullptr};
   std::vector<GlobalBlock> blocks_;
-  torch::nn::LayerNorm norm_{nullptr};
+  nn::LayerNorm norm_{nullptr};
   nn::LightTransportModel model_{nullptr};
   NeighbourMean pool_{nullptr};
 };

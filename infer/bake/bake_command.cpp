@@ -36,7 +36,6 @@ void check_usage(const BakeRequest& r) {
             "--by-light goes with --integrator gather or path, not network");
   LTE_CHECK(r.three.empty() == (r.format != "three"),
             "--format three and --three FILE, three.js as an ES module, go together");
-  if (r.needs_network()) runtime::require_networks();
   LTE_CHECK(r.validate_only || !r.out.empty(), "--out: name the folder to write");
 }
 

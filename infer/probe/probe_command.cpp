@@ -42,7 +42,6 @@ void check_usage(const ProbeRequest& r) {
     LTE_CHECK(!r.keys.is_given(key) || !r.by_paths(), "--set ", key,
               " goes with --integrator gather or network, not path");
   }
-  if (r.needs_network()) runtime::require_networks();
   if (r.validate_only) return;
   LTE_CHECK(!r.points.empty(), "--points: name a CSV file with the header px,py,pz,nx,ny,nz");
   LTE_CHECK(!r.out.empty(), "--out: name the CSV file to write");

@@ -168,7 +168,6 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.output = parse_enum<Output>("--output", request.output);
   settings.method = parse_enum<Method>("--integrator", request.integrator);
   check_used(request, settings.method, settings.output);
-  if (settings.method == Method::Network) runtime::require_networks();
   std::tie(settings.width, settings.height) = parse_picture_size(request.size);
   settings.seed = request.seed;
   settings.layers = keeps_layers(request.out);

@@ -222,7 +222,6 @@ void add_view_options(CLI::App& app, ViewRequest* r) {
 void run_view(const ViewRequest& request) {
   LTE_CHECK(request.checkpoint.empty() || request.integrator == "network",
             "--checkpoint goes with --integrator network: ", request.integrator, " needs no model");
-  if (request.integrator == "network") runtime::require_networks();
   CommandFiles files;
   claim_scene(request, &files);
   files.reads("--checkpoint", request.checkpoint);

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include <ATen/ATen.h>
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 

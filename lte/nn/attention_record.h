@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/nn/encoder_plan.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

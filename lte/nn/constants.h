@@ -73,11 +73,8 @@ inline constexpr double kPriorBack = 0.5623413251903491;
 /// calls dark.
 inline constexpr double kPriorFloor = 0.02;
 
-/// Added to the mean that the spread of the estimates is divided by, so that darkness has none.
-inline constexpr double kPriorLeastMean = 1e-3;
-
-/// log(Σ w) / kPriorLogScale and (log(d̄²) + kPriorLogShift) / kPriorLogScale are of order one.
-inline constexpr double kPriorLogScale = 4;
-inline constexpr double kPriorLogShift = 8;
+/// What is added to the mean that the spread of the estimates is divided by, so that darkness has
+/// none; and log(Σ w) / log and (log(d̄²) + log_shift) / log are of order one.
+inline constexpr ops::PriorScales kPriorScales = {1e-3, 4, 8};
 
 }  // namespace lte::nn

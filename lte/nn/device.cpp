@@ -1,11 +1,10 @@
 #include "lte/nn/device.h"
 
-#include <ATen/Context.h>
-#include <c10/core/impl/VirtualGuardImpl.h>
-
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/ops/bf16.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

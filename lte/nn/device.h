@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <c10/core/Device.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

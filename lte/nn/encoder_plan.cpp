@@ -6,8 +6,6 @@
 #include <tuple>
 #include <utility>
 
-#include <ATen/ATen.h>
-
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/nn/constants.h"
@@ -15,6 +13,7 @@
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/submanifold_conv.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 namespace {

@@ -10,9 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/nn/config.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

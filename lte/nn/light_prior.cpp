@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
-#include <ATen/ATen.h>
-
 #include "lte/nn/constants.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/light_prior.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 namespace {
@@ -80,25 +79,31 @@ at::Tensor means(const LightPrior& prior, const at::Tensor& position, const at::
   return composed_means(prior, position, normal, near);
 }
 
-LightReading reading(const at::Tensor& means, const at::Tensor& floor) {
+/// ops::light_prior_features() likewise.
+at::Tensor composed_features(const at::Tensor& means) {
   const auto column = [&](int64_t c) { return means.narrow(1, c, 1); };
   using Column = ops::PriorColumn;
-  const at::Tensor light = means.narrow(1, Column::kLight, ops::kPriorLight),
-                   irradiance = means.narrow(1, Column::kLight, 3);
-  const at::Tensor gray = irradiance.mean(1, /*keepdim=*/true);
+  const at::Tensor light = means.narrow(1, Column::kLight, ops::kPriorLight);
+  const at::Tensor gray = light.narrow(1, 0, 3).mean(1, /*keepdim=*/true);
   const auto relative = [&](int64_t variance) {
-    return column(variance).sqrt().div(gray.add(kPriorLeastMean));
+    return column(variance).sqrt().div(gray.add(kPriorScales.least_mean));
   };
   std::vector<at::Tensor> features = {
       light.log1p(),
       relative(Column::kVariance).log1p(),
-      column(Column::kWeight).log().div(kPriorLogScale),
+      column(Column::kWeight).log().div(kPriorScales.log),
       column(Column::kFacing),
       column(Column::kHeight),
       column(Column::kGray).log1p().sub(gray.log1p()),
-      column(Column::kDistance2).log().add(kPriorLogShift).div(kPriorLogScale)};
+      column(Column::kDistance2).log().add(kPriorScales.log_shift).div(kPriorScales.log)};
   if (means.size(1) > Column::kNoise) features.push_back(relative(Column::kNoise));
-  return {irradiance.add(floor), at::cat(features, 1)};
+  return at::cat(features, 1);
+}
+
+LightReading reading(const at::Tensor& means, const at::Tensor& floor) {
+  const bool fused = means.is_cpu() && means.scalar_type() == at::kFloat;
+  return {means.narrow(1, ops::PriorColumn::kLight, 3).add(floor),
+          fused ? ops::light_prior_features(means, kPriorScales) : composed_features(means)};
 }
 
 }  // namespace
@@ -136,8 +141,10 @@ LightPrior make_light_prior(const at::Tensor& position, const at::Tensor& normal
   if (error.defined()) prior.error = error.index_select(0, rows);
   const at::Tensor indirect =
       prior.light.narrow(1, 0, 3).add(prior.light.narrow(1, ops::kPriorLight, 3));
-  prior.floor =
-      rows.size(0) > 0 ? indirect.mean(0).mul(kPriorFloor) : at::zeros({3}, light.options());
+  prior.floor = rows.size(0) > 0 ? indirect.mean(0, /*keepdim=*/false, at::kDouble)
+                                       .mul(kPriorFloor)
+                                       .to(light.scalar_type())
+                                 : at::zeros({3}, light.options());
   prior.make_index();
   return prior;
 }

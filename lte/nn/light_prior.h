@@ -8,10 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/nn/config.h"
 #include "lte/ops/knn.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

@@ -1,12 +1,11 @@
 // torch::nn::Linear on lte::ops::linear: the same parameters, names and first values.
 #pragma once
 
-#include <torch/nn/modules/linear.h>
-
 #include "lte/nn/precision.h"
 #include "lte/nn/recompute.h"
 #include "lte/ops/decoder_weights.h"
 #include "lte/ops/linear.h"
+#include "lte/tensor/module.h"
 
 namespace lte::nn {
 

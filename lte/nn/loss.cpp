@@ -1,6 +1,6 @@
 #include "lte/nn/loss.h"
 
-#include <ATen/ATen.h>
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 

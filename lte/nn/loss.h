@@ -1,9 +1,8 @@
 // The paper's loss (equation 12), relative L2 in log space, and the same in linear space.
 #pragma once
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/nn/loss_config.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

@@ -2,9 +2,8 @@
 
 #include <cmath>
 
-#include <torch/nn/init.h>
-
 #include "lte/ops/gelu.h"
+#include "lte/tensor/module.h"
 
 namespace lte::nn {
 

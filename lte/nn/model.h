@@ -7,9 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <torch/nn/module.h>
-#include <torch/nn/pimpl.h>
-
 #include "lte/nn/config.h"
 #include "lte/nn/light_prior.h"
 #include "lte/nn/point_set.h"
@@ -18,6 +15,7 @@
 #include "lte/nn/surfels.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/query_decoder.h"
+#include "lte/tensor/module.h"
 
 namespace lte::nn {
 

@@ -4,8 +4,6 @@
 
 #include <vector>
 
-#include <ATen/ATen.h>
-
 #include "lte/nn/constants.h"
 #include "lte/nn/model.h"
 #include "lte/nn/nearest_neighbour_embedding.h"
@@ -13,6 +11,7 @@
 #include "lte/nn/query_decoder.h"
 #include "lte/nn/radiance_decoder.h"
 #include "lte/ops/query_decoder.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 

@@ -4,10 +4,9 @@
 
 #include <cstdint>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/nn/encoder_plan.h"
 #include "lte/nn/mlp.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

@@ -3,10 +3,9 @@
 
 #include <string>
 
-#include <c10/util/Exception.h>
-
 #include "lte/base/check.h"
 #include "lte/base/text.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

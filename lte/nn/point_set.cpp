@@ -5,7 +5,7 @@
 #include <compare>
 #include <limits>
 
-#include <ATen/ATen.h>
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 namespace {

@@ -5,9 +5,8 @@
 #include <array>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/nn/config.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

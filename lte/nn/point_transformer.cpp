@@ -47,7 +47,7 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
     up_.push_back(
         register_module("up" + number, Stage(config.decoder_depths[s], up_width(s), config)));
   }
-  norm_ = register_module("norm", layer_norm(stages > 1 ? up_width(0) : down_width(0)));
+  norm_ = register_module("norm", LayerNorm(stages > 1 ? up_width(0) : down_width(0)));
 }
 
 at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan& plan,

@@ -36,7 +36,7 @@ class PointTransformerImpl : public torch::nn::Module {
  private:
   SubmanifoldConv stem_{nullptr};
   PointNorm stem_norm_{nullptr};
-  torch::nn::LayerNorm norm_{nullptr};
+  LayerNorm norm_{nullptr};
   std::vector<Stage> down_, up_;
   std::vector<Pooling> pool_;      ///< pool_[s] leads from stage s to s + 1
   std::vector<Unpooling> unpool_;  ///< unpool_[s] leads from stage s + 1 to s

@@ -54,8 +54,8 @@ at::Tensor arranged_table(const std::vector<QueryLayer>& layers, const at::Tenso
 
 QueryLayerImpl::QueryLayerImpl(int64_t latent, const ModelConfig& config)
     : dropout_(config.dropout),
-      norm1_(register_module("norm1", layer_norm(config.channels))),
-      norm2_(register_module("norm2", layer_norm(config.channels))),
+      norm1_(register_module("norm1", LayerNorm(config.channels))),
+      norm2_(register_module("norm2", LayerNorm(config.channels))),
       query_(register_module("query", Linear(config.channels, config.channels))),
       key_(register_module("key", Linear(latent, config.channels))),
       value_(register_module("value", Linear(latent, config.channels))),
@@ -108,7 +108,7 @@ QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config, in
   for (int64_t i = 0; i < config.query_layers; ++i) {
     layers_.push_back(register_module("layer" + std::to_string(i), QueryLayer(latent, config)));
   }
-  norm_ = register_module("norm", layer_norm(D));
+  norm_ = register_module("norm", LayerNorm(D));
   if (features > 0) {
     head_ = register_module("head", Mlp(D, D, features));
     return;

@@ -11,16 +11,16 @@
 #include <tuple>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-#include <torch/nn/modules/normalization.h>
-
 #include "lte/nn/attention_record.h"
 #include "lte/nn/config.h"
+#include "lte/nn/layer_norm.h"
 #include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
 #include "lte/ops/decoder_weights.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/query_decoder.h"
+#include "lte/tensor/module.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 
@@ -51,7 +51,7 @@ class QueryLayerImpl : public torch::nn::Module {
 
  private:
   double dropout_;
-  torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
+  LayerNorm norm1_{nullptr}, norm2_{nullptr};
   Linear query_{nullptr}, key_{nullptr}, value_{nullptr}, output_{nullptr};
   Mlp ffn_{nullptr};
 };
@@ -171,7 +171,7 @@ class QueryDecoderImpl : public torch::nn::Module {
   double dropout_;
   bool reads_normals_;
   Mlp point_{nullptr}, gamma_{nullptr}, head_{nullptr};
-  torch::nn::LayerNorm norm_{nullptr};
+  LayerNorm norm_{nullptr};
   std::vector<QueryLayer> layers_;
 };
 TORCH_MODULE(QueryDecoder);

@@ -2,11 +2,10 @@
 
 #include <cmath>
 
-#include <ATen/ATen.h>
-
 #include "lte/nn/surfels.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/lobe_radiance.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 namespace {

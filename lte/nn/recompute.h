@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

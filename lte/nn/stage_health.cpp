@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include <ATen/ATen.h>
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 

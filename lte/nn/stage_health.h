@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/nn/attention_record.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

@@ -2,8 +2,7 @@
 
 #include <numbers>
 
-#include <ATen/ATen.h>
-#include <ATen/core/grad_mode.h>
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 namespace {

@@ -7,10 +7,9 @@
 #include <array>
 #include <cstdint>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/nn/point_set.h"
 #include "lte/ops/surfel_rays.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

@@ -5,9 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <ATen/ATen.h>
-
 #include "lte/base/random.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 

@@ -3,9 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include <ATen/ops/from_blob.h>
-
 #include "lte/base/check.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::nn {
 namespace {

@@ -4,9 +4,8 @@
 #include <map>
 #include <string>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/base/safetensors.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 

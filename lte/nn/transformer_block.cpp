@@ -6,15 +6,14 @@
 #include <optional>
 #include <vector>
 
-#include <ATen/Context.h>
-#include <torch/nn/init.h>
-
 #include "lte/nn/constants.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/norm_layers.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/rotary.h"
 #include "lte/ops/submanifold_conv.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/module.h"
 
 namespace lte::nn {
 namespace {
@@ -55,18 +54,19 @@ std::vector<at::Tensor> rows_of_scenes(const at::Tensor& x, const StagePlan& sta
   return x.split_with_sizes(counts);
 }
 
+/// The mean of the rows. In double, where the order of a sum is no matter.
+at::Tensor mean_row(const at::Tensor& x) {
+  return x.mean(0, /*keepdim=*/false, at::kDouble).to(x.scalar_type());
+}
+
 /// Means of [n, C] over the points of each scene, [scenes, C].
 at::Tensor means_of_scenes(const at::Tensor& x, const StagePlan& stage) {
   std::vector<at::Tensor> means;
-  for (const at::Tensor& of_scene : rows_of_scenes(x, stage)) means.push_back(of_scene.mean(0));
+  for (const at::Tensor& of_scene : rows_of_scenes(x, stage)) means.push_back(mean_row(of_scene));
   return at::stack(means);
 }
 
 }  // namespace
-
-torch::nn::LayerNorm layer_norm(int64_t channels) {
-  return torch::nn::LayerNorm(torch::nn::LayerNormOptions({channels}).eps(kNormEpsilon));
-}
 
 PatchAttentionImpl::PatchAttentionImpl(int64_t channels, int64_t heads, double dropout)
     : heads_(heads),
@@ -98,12 +98,12 @@ at::Tensor PatchAttentionImpl::project(const at::Tensor& attended) {
   return at::dropout(proj_->forward(attended), dropout_, is_training());
 }
 
-at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, torch::nn::LayerNorm& norm,
-                                       const StagePlan& stage, size_t order, int64_t patch_size) {
+at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, LayerNorm& norm, const StagePlan& stage,
+                                       size_t order, int64_t patch_size) {
   return project(attended(x, norm, stage, order, patch_size));
 }
 
-at::Tensor PatchAttentionImpl::attended(const at::Tensor& x, torch::nn::LayerNorm& norm,
+at::Tensor PatchAttentionImpl::attended(const at::Tensor& x, LayerNorm& norm,
                                         const StagePlan& stage, size_t order, int64_t patch_size) {
   const at::Tensor qkv = fuses(x) ? ops::norm_linear(x, {norm->weight, norm->bias}, qkv_->weights())
                                   : qkv_->forward(norm->forward(x));
@@ -158,11 +158,11 @@ at::Tensor PointNormImpl::forward(const at::Tensor& x, const StagePlan& stage) {
   at::Tensor centered = x;
   if (share_.defined()) {
     const at::Tensor common = stage.scenes.size() == 1
-                                  ? x.mean(0, /*keepdim=*/true)
+                                  ? mean_row(x)
                                   : means_of_scenes(x, stage).index_select(0, stage.scene);
     centered = x - common.mul(share_);
   }
-  return at::layer_norm(centered, {x.size(1)}, weight_, bias_, kNormEpsilon);
+  return ops::layer_norm(centered, {weight_, bias_});
 }
 
 at::Tensor PointNormImpl::after(Linear& linear, const at::Tensor& x, const StagePlan& stage,
@@ -181,9 +181,11 @@ SubmanifoldConvImpl::SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t
   const int64_t taps = kernel * kernel * kernel;
   // The bound of a dense convolution: U(±1/sqrt(fan_in)).
   const double bound = 1 / std::sqrt(static_cast<double>(taps * inputs));
-  weight_ =
-      register_parameter("weight", at::empty({taps, inputs, outputs}).uniform_(-bound, bound));
-  if (with_bias) bias_ = register_parameter("bias", at::empty({outputs}).uniform_(-bound, bound));
+  weight_ = register_parameter("weight", at::empty({taps, inputs, outputs}));
+  torch::nn::init::uniform_(weight_, -bound, bound);
+  if (!with_bias) return;
+  bias_ = register_parameter("bias", at::empty({outputs}));
+  torch::nn::init::uniform_(bias_, -bound, bound);
 }
 
 at::Tensor SubmanifoldConvImpl::forward(const at::Tensor& x, const at::Tensor& pairs,
@@ -205,8 +207,8 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
       conv_(register_module("conv", SubmanifoldConv(kBlockKernel, channels, channels, true))),
       conv_linear_(register_module("conv_linear", Linear(channels, channels))),
       conv_norm_(register_module("conv_norm", PointNorm(channels, config.centers_norms()))),
-      norm1_(register_module("norm1", layer_norm(channels))),
-      norm2_(register_module("norm2", layer_norm(channels))) {
+      norm1_(register_module("norm1", LayerNorm(channels))),
+      norm2_(register_module("norm2", LayerNorm(channels))) {
   const int64_t heads = std::max<int64_t>(1, channels / config.head_width);
   attention_ = register_module("attention", PatchAttention(channels, heads, config.dropout));
   mlp_ = register_module("mlp", Mlp(channels, 4 * channels, channels, config.dropout, 0.5));

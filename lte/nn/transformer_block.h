@@ -3,13 +3,13 @@
 
 #include <cstdint>
 
-#include <ATen/core/Tensor.h>
-#include <torch/nn/modules/normalization.h>
-
 #include "lte/nn/attention_record.h"
 #include "lte/nn/encoder_plan.h"
+#include "lte/nn/layer_norm.h"
 #include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
+#include "lte/tensor/module.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 
@@ -30,11 +30,11 @@ class PatchAttentionImpl : public torch::nn::Module {
 
   /// forward() of norm(x); on the CPU norm and first layer are one operator, unless the
   /// points are few and nothing is differentiated.
-  at::Tensor forward(const at::Tensor& x, torch::nn::LayerNorm& norm, const StagePlan& stage,
-                     size_t order, int64_t patch_size);
+  at::Tensor forward(const at::Tensor& x, LayerNorm& norm, const StagePlan& stage, size_t order,
+                     int64_t patch_size);
   /// The same before the last layer, `proj`.
-  at::Tensor attended(const at::Tensor& x, torch::nn::LayerNorm& norm, const StagePlan& stage,
-                      size_t order, int64_t patch_size);
+  at::Tensor attended(const at::Tensor& x, LayerNorm& norm, const StagePlan& stage, size_t order,
+                      int64_t patch_size);
 
   /// What forward() would weigh values by, without name and level.
   /// @param stage  of one scene
@@ -122,7 +122,7 @@ class TransformerBlockImpl : public torch::nn::Module {
   SubmanifoldConv conv_{nullptr};
   Linear conv_linear_{nullptr};
   PointNorm conv_norm_{nullptr};
-  torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
+  LayerNorm norm1_{nullptr}, norm2_{nullptr};
   PatchAttention attention_{nullptr};
   Mlp mlp_{nullptr};
 };
@@ -165,8 +165,5 @@ TORCH_MODULE(Unpooling);
 at::Tensor cluster_max(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters);
 /// Row of each cluster's maximum by channel, [clusters, C] int64; ties go to the lowest row.
 at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters);
-
-/// LayerNorm over the last axis.
-torch::nn::LayerNorm layer_norm(int64_t channels);
 
 }  // namespace lte::nn

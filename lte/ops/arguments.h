@@ -8,9 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <ATen/Parallel.h>
-#include <ATen/core/Tensor.h>
-#include <c10/util/Exception.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -1,8 +1,7 @@
 #include "lte/ops/curve_codes.h"
 
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("curve_codes(Tensor cells, int curve, int bits=16) -> Tensor");

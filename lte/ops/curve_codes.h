@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -3,11 +3,9 @@
 
 #include <cstdint>
 
-#include <ATen/core/Tensor.h>
-#include <c10/macros/Macros.h>
-
 #include "lte/ops/arguments.h"
 #include "lte/ops/curve_codes.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -1,6 +1,6 @@
 #include "lte/ops/decoder_weights.h"
 
-#include <c10/util/Exception.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 namespace {

@@ -1,7 +1,7 @@
 // Calls of registered operators.
 #pragma once
 
-#include <ATen/core/dispatch/Dispatcher.h>
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 

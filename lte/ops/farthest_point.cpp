@@ -1,8 +1,7 @@
 #include "lte/ops/farthest_point.h"
 
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("farthest_point_sampling(Tensor points, int count) -> (Tensor, Tensor)");

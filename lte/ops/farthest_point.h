@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -1,11 +1,9 @@
 #include "lte/ops/gelu.h"
 
-#include <ATen/core/LegacyTypeDispatch.h>
-#include <ATen/ops/gelu.h>
-#include <torch/csrc/autograd/custom_function.h>
-
 #include "lte/ops/cpu/dense/gelu_cpu.h"
 #include "lte/ops/gelu_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

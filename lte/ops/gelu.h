@@ -1,7 +1,7 @@
 // GELU(x) = x Φ(x) in the exact (erf) form; Φ is the normal distribution's.
 #pragma once
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -1,8 +1,7 @@
 // What gelu() accepts.
 #pragma once
 
-#include <ATen/core/Tensor.h>
-#include <c10/util/Exception.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -4,9 +4,8 @@
 
 #include <cstdint>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/prior_columns.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 
@@ -27,5 +26,16 @@ at::Tensor light_prior_means(const at::Tensor& position, const at::Tensor& norma
                              const at::Tensor& points, const at::Tensor& normals,
                              const at::Tensor& light, const at::Tensor& errors,
                              const at::Tensor& index, const PriorWeights& weights);
+
+/// What a decoder reads of the means: with g the mean of the first three columns,
+/// log(1 + light) of each of kPriorLight, log(1 + √variance / (g + s)), log(weight) / l, facing,
+/// height, log(1 + gray) − log(1 + g), (log(d̄²) + t) / l, and where there is noise
+/// √noise / (g + s).
+///
+/// @param means  [Q, C] float32 of light_prior_means()
+/// @return       [Q, C]
+/// @throws c10::Error on another shape, dtype or device
+/// @note As light_prior_means().
+at::Tensor light_prior_features(const at::Tensor& means, const PriorScales& scales);
 
 }  // namespace lte::ops

@@ -3,13 +3,11 @@
 #include <optional>
 #include <vector>
 
-#include <ATen/ops/linear.h>
-#include <torch/csrc/autograd/custom_function.h>
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/linear_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   // x and bias float32, weight that or bfloat16.

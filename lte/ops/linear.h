@@ -7,7 +7,7 @@
 // go to ATen.
 #pragma once
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

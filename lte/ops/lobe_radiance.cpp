@@ -2,9 +2,8 @@
 
 #include <optional>
 
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(

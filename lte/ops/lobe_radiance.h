@@ -4,10 +4,9 @@
 
 #include <cstdint>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/decoder_weights.h"
 #include "lte/ops/surfel_columns.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

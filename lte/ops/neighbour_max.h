@@ -2,9 +2,8 @@
 // neighbours (the paper's equations 2 and 3). No tensor of pairs is ever in memory.
 #pragma once
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/decoder_weights.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -1,9 +1,7 @@
 #include "lte/ops/neighbour_sums.h"
 
-#include <torch/csrc/autograd/custom_function.h>
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(

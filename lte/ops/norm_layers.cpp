@@ -4,13 +4,12 @@
 #include <tuple>
 #include <vector>
 
-#include <ATen/core/LegacyTypeDispatch.h>
-#include <torch/csrc/autograd/custom_function.h>
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
+  m.def("layer_norm(Tensor x, Tensor gain, Tensor bias) -> Tensor");
   // Weights: gain and bias of the norm, weight and bias of each layer; the weights of layers may be
   // bfloat16. The gradients are those by x and by each weight, float32.
   m.def("norm_linear(Tensor x, Tensor[] weights) -> Tensor");
@@ -141,7 +140,17 @@ struct LayerLists {
   }
 };
 
+constexpr double kEpsilon = 1e-5;  // as the kernels have it
+
 }  // namespace
+
+at::Tensor layer_norm(const at::Tensor& x, const NormWeights& norm) {
+  if (!suits_norm_layers(x) || x.dim() != 2 || at::GradMode::is_enabled())
+    return at::layer_norm(x, {x.size(-1)}, norm.gain, norm.bias, kEpsilon);
+  using Signature = at::Tensor(const at::Tensor&, const at::Tensor&, const at::Tensor&);
+  static const auto op = find_operator<Signature>("lte::layer_norm");
+  return op.call(x, norm.gain, norm.bias);
+}
 
 at::Tensor norm_linear(const at::Tensor& x, const NormWeights& norm, const LinearWeights& linear) {
   LayerLists lists;

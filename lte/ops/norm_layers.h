@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/decoder_weights.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 
@@ -15,6 +14,11 @@ namespace lte::ops {
 inline bool suits_norm_layers(const at::Tensor& x) {
   return x.device().is_cpu() && x.scalar_type() == at::kFloat;
 }
+
+/// LN(x) over the last axis, of any device and dtype; differentiable.
+///
+/// @note float32 on the CPU without gradients has the arithmetic of the operators below.
+at::Tensor layer_norm(const at::Tensor& x, const NormWeights& norm);
 
 /// W LN(x) + b.
 ///

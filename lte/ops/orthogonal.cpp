@@ -1,11 +1,7 @@
 #include "lte/ops/orthogonal.h"
 
-#include <ATen/TensorOperators.h>
-#include <ATen/core/grad_mode.h>
-#include <ATen/ops/bmm.h>
-#include <ATen/ops/eye.h>
-
 #include "lte/ops/cpu/dense/orthogonal_cpu.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::ops {
 namespace {

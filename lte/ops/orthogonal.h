@@ -2,7 +2,7 @@
 // directions a layer should move, and by its singular values hardly how far.
 #pragma once
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

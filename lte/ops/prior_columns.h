@@ -14,6 +14,11 @@ struct PriorWeights {
   float near, plane, least, least_distance2;
 };
 
+/// What light_prior_features() scales by: s, l and t below.
+struct PriorScales {
+  double least_mean, log, log_shift;
+};
+
 /// Channels of irradiance that each of the two sides of a point holds: indirect and direct, three
 /// each. A query reads one side: that whose normal has the larger product with its own, the first
 /// where they are equal. Below, n_j and light_j are those of that side. The least weight has the

@@ -5,12 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <ATen/core/LegacyTypeDispatch.h>
-#include <torch/csrc/autograd/custom_function.h>
-#include <torch/custom_class.h>
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(

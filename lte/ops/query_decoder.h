@@ -8,11 +8,9 @@
 #include <cstdint>
 #include <memory>
 
-#include <ATen/core/Tensor.h>
-#include <ATen/core/TensorBody.h>
-
 #include "lte/ops/decoder_weights.h"
 #include "lte/ops/pair_geometry.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -1,12 +1,9 @@
 #include "lte/ops/rotary.h"
 
-#include <ATen/core/LegacyTypeDispatch.h>
-#include <ATen/ops/cat.h>
-#include <ATen/ops/stack.h>
-#include <torch/csrc/autograd/custom_function.h>
-
 #include "lte/ops/cpu/attention/rotary_cpu.h"
 #include "lte/ops/rotary_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

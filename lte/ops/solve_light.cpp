@@ -1,8 +1,7 @@
 #include "lte/ops/solve_light.h"
 
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(

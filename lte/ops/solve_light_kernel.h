@@ -5,11 +5,11 @@
 
 #include <cstdint>
 
-#include <c10/macros/Macros.h>
 #include <math.h>
 
 #include "lte/ops/triple.h"
 #include "lte/radiosity/constants.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

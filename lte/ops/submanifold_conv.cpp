@@ -3,10 +3,8 @@
 #include <array>
 #include <optional>
 
-#include <torch/csrc/autograd/custom_function.h>
-#include <torch/library.h>
-
 #include "lte/ops/dispatch.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("convolution_pairs(Tensor cells, int kernel) -> (Tensor, Tensor)");

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <tuple>
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -5,13 +5,11 @@
 #include <limits>
 #include <vector>
 
-#include <ATen/ops/empty.h>
-#include <ATen/ops/zeros.h>
-#include <torch/library.h>
-
 #include "lte/base/math.h"
 #include "lte/ops/dispatch.h"
 #include "lte/ops/surfel_rays_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(

@@ -6,9 +6,8 @@
 #include <array>
 #include <cstdint>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/surfel_columns.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

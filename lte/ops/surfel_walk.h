@@ -6,7 +6,6 @@
 
 #include <cstdint>
 
-#include <c10/macros/Macros.h>
 #include <math.h>
 
 #include "lte/ops/surfel_columns.h"

@@ -2,7 +2,7 @@
 // others.
 #pragma once
 
-#include <c10/macros/Macros.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include <ATen/ATen.h>
-
 #include "lte/base/check.h"
 #include "lte/nn/attention_record.h"
 #include "lte/nn/model.h"
@@ -13,6 +11,7 @@
 #include "lte/ops/knn.h"
 #include "lte/runtime/tensors.h"
 #include "lte/runtime/torch_parts.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::runtime {
 namespace {

@@ -1,11 +1,9 @@
 #include "lte/runtime/device.h"
 
-#include <ATen/Parallel.h>
-#include <c10/core/impl/VirtualGuardImpl.h>
-
 #include "lte/base/parallel.h"
 #include "lte/nn/device.h"
 #include "lte/runtime/torch_parts.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::runtime {
 

@@ -2,11 +2,10 @@
 
 #include <cmath>
 
-#include <ATen/ATen.h>
-
 #include "lte/nn/model.h"
 #include "lte/runtime/torch_errors.h"
 #include "lte/runtime/torch_parts.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::runtime {
 namespace {

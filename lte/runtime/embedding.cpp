@@ -5,13 +5,6 @@
 #include <mutex>
 #include <utility>
 
-#include <ATen/core/LegacyTypeDispatch.h>
-#include <ATen/core/grad_mode.h>
-#include <ATen/ops/tensor.h>
-#include <c10/core/DeviceGuard.h>
-#include <c10/core/Event.h>
-#include <c10/core/impl/VirtualGuardImpl.h>
-
 #include "lte/base/check.h"
 #include "lte/nn/attention_record.h"
 #include "lte/nn/model.h"
@@ -19,6 +12,8 @@
 #include "lte/runtime/tensors.h"
 #include "lte/runtime/torch_errors.h"
 #include "lte/runtime/torch_parts.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::runtime {
 namespace {

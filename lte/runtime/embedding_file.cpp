@@ -3,12 +3,6 @@
 #include <charconv>
 #include <string>
 
-#include <ATen/core/grad_mode.h>
-#include <ATen/ops/empty.h>
-#include <ATen/ops/isfinite.h>
-#include <ATen/ops/tensor.h>
-#include <c10/core/DeviceGuard.h>
-
 #include "lte/base/check.h"
 #include "lte/base/safetensors.h"
 #include "lte/base/version.h"
@@ -17,6 +11,7 @@
 #include "lte/nn/tensor_io.h"
 #include "lte/runtime/torch_errors.h"
 #include "lte/runtime/torch_parts.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::runtime {
 namespace {

@@ -11,8 +11,6 @@
 
 namespace lte::runtime {
 
-void require_networks() {}
-
 struct Network::State {
   nn::LightTransportModel model;
   nn::ModelMetadata metadata;

@@ -18,9 +18,6 @@ using nn::ModelConfig;
 using nn::ModelMetadata;
 using nn::Precision;
 
-/// @throws lte::Error in builds without LibTorch: before any work towards a network begins
-void require_networks();
-
 struct NetworkOptions {
   Device device = {};
   Precision precision = Precision::Fp32;

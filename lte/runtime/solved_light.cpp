@@ -1,7 +1,5 @@
 #include "lte/runtime/solved_light.h"
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/solve_light.h"
 
 namespace lte::runtime {

@@ -3,10 +3,8 @@
 
 #include <span>
 
-#include <ATen/core/Tensor.h>
-#include <ATen/ops/from_blob.h>
-
 #include "lte/base/math.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::runtime {
 

@@ -4,10 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include <c10/util/Exception.h>
-
 #include "lte/nn/one_line_errors.h"
 #include "lte/runtime/limit_error.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::runtime {
 

@@ -3,12 +3,10 @@
 // and embedding.h.
 #pragma once
 
-#include <ATen/core/Tensor.h>
-#include <c10/core/Device.h>
-
 #include "lte/nn/point_set.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/embedding.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::nn {
 class LightTransportModel;

@@ -133,15 +133,15 @@ std::string read_cache_source(const nn::ModelConfig& config) {
               {{"features", std::to_string(features)},
                {"neighbours", std::to_string(nn::kPriorNeighbours)},
                {"noise", config.reads_estimates()
-                             ? fill(kNoise, {{"least_mean", number(nn::kPriorLeastMean)}})
+                             ? fill(kNoise, {{"least_mean", number(nn::kPriorScales.least_mean)}})
                              : ""},
                {"near", number(weights.near)},
                {"plane", number(weights.plane)},
                {"least", number(weights.least)},
                {"least_distance2", number(weights.least_distance2)},
-               {"least_mean", number(nn::kPriorLeastMean)},
-               {"log_scale", number(nn::kPriorLogScale)},
-               {"log_shift", number(nn::kPriorLogShift)},
+               {"least_mean", number(nn::kPriorScales.least_mean)},
+               {"log_scale", number(nn::kPriorScales.log)},
+               {"log_shift", number(nn::kPriorScales.log_shift)},
                {"floor", number(nn::kPriorFloor)}});
 }
 

@@ -1,26 +1,49 @@
 #!/usr/bin/env bash
-# Fails where the tools without LibTorch would not link: what they ask of lte/runtime and lte/nn
-# must be in those folders as LTE_TORCH=OFF builds them. Compiles these two alone, and takes the
-# rest from a build with LibTorch.
+# Fails where a build without LibTorch answers otherwise than one with it, by a bit: every shipped
+# model, at three numbers of scene points, and a model's own precision. Builds lte_probe without
+# LibTorch, and takes the other one from a build that is there.
 #
 # usage: scripts/dev/check_no_torch.sh [BUILD]     build by default
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=${1:-build}
-tools=("$build"/lib/liblte_{embed,infer,render_command,probe_command,view_server}.a)
-for library in "${tools[@]}"; do
-  [ -e "$library" ] || { echo "check_no_torch: there is no $library" >&2; exit 2; }
-done
+[ -x "$build/bin/lte_probe" ] || { echo "check_no_torch: there is no $build/bin/lte_probe" >&2; exit 2; }
 cmake --preset no-torch -DLTE_TESTS=OFF >/dev/null
-cmake --build --preset no-torch --target lte_nn lte_runtime >/dev/null
-wanted=$(nm -A --undefined-only "${tools[@]}" | awk '{print $NF}' |
-         grep -E '^_ZNK?3lte(7runtime|2nn)' | sort -u)
-there=$(nm --defined-only build-no-torch/lib/liblte_{nn,runtime}.a "${tools[@]}" 2>/dev/null |
-        awk 'NF == 3 {print $3}' | sort -u)
-missing=$(comm -23 <(echo "$wanted") <(echo "$there"))
-if [ -n "$missing" ]; then
-  echo "check_no_torch: lte/runtime/no_network.cpp lacks:"
-  c++filt <<<"$missing"
+cmake --build --preset no-torch --target lte_probe >/dev/null
+own=build-no-torch/bin/lte_probe
+if ldd "$own" | grep -E 'torch|c10'; then
+  echo "check_no_torch: $own needs LibTorch" >&2
   exit 1
 fi
-echo "check_no_torch: $(wc -l <<<"$wanted") functions of lte/runtime and lte/nn, all there without LibTorch"
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+points="$folder/points.csv"
+{
+  echo px,py,pz,nx,ny,nz
+  for x in -1.5 -0.5 0.5 1.5; do for z in -1.5 -0.5 0.5 1.5; do echo "$x,0,$z,0,1,0"; done; done
+} >"$points"
+# usage: answers PROGRAM NAME MODEL KEY=VALUE...: NAME.csv, and what the encoder made, NAME.lte
+answers() {
+  local program=$1 name=$2 model=$3
+  shift 3
+  "$program" assets/scenes/living_room.glb --integrator network --checkpoint "$model" --quiet \
+    --points "$points" --spp 16 --set records=256 --set check=off "${@/#/--set=}" \
+    --out "$folder/$name.csv" --save-embedding "$folder/$name.lte"
+}
+compared=0
+for model in assets/models/*.safetensors; do
+  for settings in scene_points=700 scene_points=3000 scene_points=9000 \
+                  "scene_points=3000 precision=bf16"; do
+    read -ra keys <<<"$settings"
+    answers "$build/bin/lte_probe" torch "$model" "${keys[@]}"
+    answers "$own" own "$model" "${keys[@]}"
+    for kind in csv lte; do
+      if ! cmp -s "$folder/torch.$kind" "$folder/own.$kind"; then
+        echo "check_no_torch: $model, $settings: the .$kind files differ" >&2
+        exit 1
+      fi
+    done
+    compared=$((compared + 1))
+  done
+done
+echo "check_no_torch: $compared runs of all models answer the same with LibTorch and without"

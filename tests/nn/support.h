@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <torch/nn/module.h>
-
 #include "lte/nn/model.h"
+#include "lte/tensor/module.h"
 #include "tests/nn/tiny_model.h"
 
 namespace lte::test {

@@ -2,10 +2,9 @@
 
 #include <cmath>
 
-#include <ATen/Context.h>
-
 #include "lte/nn/model.h"
 #include "lte/nn/model_file.h"
+#include "lte/tensor/functions.h"
 #include "tests/nn/support.h"
 
 namespace lte::test {

@@ -133,6 +133,40 @@ TEST(LightPriorMeans, QueriesDoNotSeeEachOtherAndThreadsChangeNothing) {
   EXPECT_EQ(last.means().sizes(), (at::IntArrayRef{0, kPriorMeans + 1}));
 }
 
+/// Over all magnitudes that light, weights and squared distances have.
+TEST(LightPriorFeatures, AreTheirFormulasInDouble) {
+  const PriorScales scales = {1e-3, 4, 8};
+  for (const int64_t columns : {kPriorMeans, kPriorMeans + 1}) {
+    const at::Tensor means = test::normal({3000, columns}, 8, at::kFloat).mul(12).exp();
+    means.narrow(0, 0, 5).narrow(1, 0, Column::kWeight).zero_();  // darkness
+    const at::Tensor got = light_prior_features(means, scales), m = means.to(at::kDouble);
+    const at::Tensor g = m.narrow(1, 0, 3).mean(1);
+    const auto column = [&](int64_t c) { return m.select(1, c); };
+    const auto relative = [&](int64_t c) { return column(c).sqrt().div(g.add(scales.least_mean)); };
+    std::vector<at::Tensor> expected;
+    for (int64_t c = 0; c < kPriorLight; ++c) expected.push_back(column(c).log1p());
+    expected.push_back(relative(Column::kVariance).log1p());
+    expected.push_back(column(Column::kWeight).log().div(scales.log));
+    expected.push_back(column(Column::kFacing));
+    expected.push_back(column(Column::kHeight));
+    expected.push_back(column(Column::kGray).log1p() - g.log1p());
+    expected.push_back(column(Column::kDistance2).log().add(scales.log_shift).div(scales.log));
+    if (columns > kPriorMeans) expected.push_back(relative(Column::kNoise));
+    const at::Tensor exact = at::stack(expected, 1);
+    const at::Tensor error = (got - exact).abs().div(exact.abs().add(1));
+    EXPECT_LT(error.max().item<double>(), 5e-6) << columns << " columns";
+    EXPECT_TRUE(
+        at::equal(light_prior_features(means.narrow(0, 7, 1), scales), got.narrow(0, 7, 1)));
+  }
+  EXPECT_TRUE(
+      light_prior_features(at::full({1, kPriorMeans}, NAN), scales).isnan().all().item<bool>());
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        light_prior_features(at::zeros({2, 5}), scales);
+      },
+      "means must be"));
+}
+
 TEST(LightPriorMeans, RefusesBadInput) {
   const auto refused = [](const auto& edit, const char* words) {
     Prior prior(4, 10, 5);

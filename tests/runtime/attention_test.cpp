@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include <ATen/ATen.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "lte/nn/model_file.h"
+#include "lte/tensor/functions.h"
 #include "tests/nn/support.h"
 #include "tests/runtime/spans.h"
 

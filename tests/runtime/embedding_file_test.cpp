@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <string>
 
-#include <ATen/ATen.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +11,7 @@
 #include "lte/base/safetensors.h"
 #include "lte/nn/model_file.h"
 #include "lte/runtime/torch_parts.h"
+#include "lte/tensor/functions.h"
 #include "tests/nn/support.h"
 #include "tests/support/temp_dir.h"
 

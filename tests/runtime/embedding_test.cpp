@@ -8,7 +8,6 @@
 #include <thread>
 #include <vector>
 
-#include <ATen/ATen.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -18,6 +17,7 @@
 #include "lte/radiosity/point_radiosity.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/torch_parts.h"
+#include "lte/tensor/functions.h"
 #include "tests/nn/support.h"
 #include "tests/runtime/spans.h"
 #include "tests/support/message_of.h"

@@ -4,9 +4,10 @@
 #include <functional>
 #include <new>
 
-#include <ATen/ops/empty.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "lte/tensor/functions.h"
 
 namespace lte::runtime {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <thread>
 
-#include <ATen/ATen.h>
-#include <ATen/Parallel.h>
 #include <gtest/gtest.h>
 
+#include "lte/tensor/functions.h"
+#include "lte/tensor/tensor.h"
 #include "tests/support/worker_sleeps.h"
 
 namespace lte {

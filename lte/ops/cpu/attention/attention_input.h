@@ -7,9 +7,8 @@
 #include <numbers>
 #include <optional>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/cpu/dense/packed_linear.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -17,14 +17,12 @@
 #include <tuple>
 #include <vector>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/attention/attention_input.h"
 #include "lte/ops/cpu/attention/head_factors.h"
 #include "lte/ops/cpu/dense/packed_linear.h"
 #include "lte/ops/patch_attention_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

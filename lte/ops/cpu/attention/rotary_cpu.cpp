@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
+#include "lte/tensor/functions.h"
 
 namespace lte::ops {
 namespace {

@@ -4,10 +4,9 @@
 #include <cstring>
 #include <vector>
 
-#include <ATen/Parallel.h>
-
 #include "lte/ops/cpu/dense/packed_linear.h"
 #include "lte/ops/cpu/dense/weight_gradient.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 namespace {

@@ -8,20 +8,12 @@
 #include <cstring>
 #include <vector>
 
-#include <ATen/Dispatch.h>
-#include <ATen/Parallel.h>
-#include <ATen/core/LegacyTypeDispatch.h>
-#include <ATen/ops/addmm.h>
-#include <ATen/ops/empty.h>
-#include <ATen/ops/mm.h>
-#include <ATen/ops/zeros.h>
-#include <ATen/ops/zeros_like.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/convolution/convolution_tiles.h"
 #include "lte/ops/cpu/dense/packed_linear.h"
 #include "lte/ops/cpu/kernels/tap_weights.h"
 #include "lte/ops/submanifold_conv_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

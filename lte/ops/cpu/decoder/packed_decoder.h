@@ -5,10 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/cpu/dense/tile_layers.h"
 #include "lte/ops/query_decoder_args.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -10,14 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/decoder/decoder_sums.h"
 #include "lte/ops/cpu/decoder/packed_decoder.h"
 #include "lte/ops/cpu/decoder/table_gradient.h"
 #include "lte/ops/cpu/dense/tile_layers.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

@@ -1,9 +1,7 @@
 #include "lte/ops/cpu/dense/gelu_cpu.h"
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-
 #include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::ops {
 namespace {

@@ -1,7 +1,7 @@
 // GELU and its gradient on the CPU, float32.
 #pragma once
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

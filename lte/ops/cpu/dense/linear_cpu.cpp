@@ -4,12 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/dense/packed_linear.h"
 #include "lte/ops/linear_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/ops/cpu/dense/packed_linear.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

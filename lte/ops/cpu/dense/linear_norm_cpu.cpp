@@ -7,13 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <ATen/ops/empty_like.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/dense/tile_layers.h"
 #include "lte/ops/norm_layers_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

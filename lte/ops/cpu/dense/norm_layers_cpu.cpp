@@ -3,14 +3,11 @@
 #include <tuple>
 #include <vector>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <ATen/ops/empty_like.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/dense/tile_layers.h"
 #include "lte/ops/norm_layers.h"
 #include "lte/ops/norm_layers_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {
@@ -21,6 +18,23 @@ void over_tiles(int64_t begin, int64_t end, const Use& use) {
   for (int64_t first = begin; first < end; first += kNormTile) {
     use(first, std::min(kNormTile, end - first));
   }
+}
+
+at::Tensor layer_norm_cpu(const at::Tensor& any_x, const at::Tensor& gain, const at::Tensor& bias) {
+  check_norm_args(any_x, gain, bias, "layer_norm");
+  const at::Tensor x = any_x.contiguous();
+  const int64_t n = x.size(0), C = x.size(1);
+  const PackedNorm norm(gain, bias);
+  at::Tensor out = at::empty_like(x);
+  at::parallel_for(0, n, kMinNormPart, [&](int64_t begin, int64_t end) {
+    Tile input(kNormTile, C), normed(kNormTile, C);
+    over_tiles(begin, end, [&](int64_t first, int64_t rows) {
+      load_rows(x.const_data_ptr<float>(), C, first, rows, input);
+      norm.apply(input, rows, C, normed);
+      store_rows(normed, C, first, rows, out.data_ptr<float>());
+    });
+  });
+  return out;
 }
 
 at::Tensor norm_linear_cpu(const at::Tensor& any_x, at::TensorList w) {
@@ -181,6 +195,7 @@ std::tuple<at::Tensor, at::Tensor, std::vector<at::Tensor>> project_feed_forward
 }  // namespace lte::ops
 
 TORCH_LIBRARY_IMPL(lte, CPU, m) {
+  m.impl("layer_norm", lte::ops::layer_norm_cpu);
   m.impl("norm_linear", lte::ops::norm_linear_cpu);
   m.impl("norm_linear_backward", lte::ops::norm_linear_backward_cpu);
   m.impl("project_feed_forward", lte::ops::project_feed_forward_cpu);

@@ -7,10 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty_like.h>
-
 #include "lte/ops/cpu/dense/tile_layers.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::ops {
 namespace {

@@ -1,7 +1,7 @@
 // orthogonal() (lte/ops/orthogonal.h) on the CPU.
 #pragma once
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

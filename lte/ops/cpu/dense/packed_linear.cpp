@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include <ATen/Parallel.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -5,11 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-#include <c10/util/BFloat16.h>
-
 #include "lte/base/unfilled_vector.h"
 #include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

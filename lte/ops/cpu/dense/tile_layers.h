@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-#include <ATen/ops/empty.h>
-
 #include "lte/ops/cpu/dense/linear_gradient.h"
 #include "lte/ops/cpu/dense/packed_linear.h"
 #include "lte/ops/decoder_weights.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::ops {
 

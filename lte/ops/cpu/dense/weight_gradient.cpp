@@ -2,12 +2,10 @@
 
 #include <algorithm>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/zeros.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/dense/packed_linear.h"
 #include "lte/ops/linear_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <c10/util/BFloat16.h>
-
 #include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -370,6 +370,9 @@ struct PriorQueries {
 struct PriorKernels {
   /// light_prior_means() (lte/ops/light_prior.h): out [count, columns].
   void (*means)(PriorPoints points, PriorQueries queries, PriorWeights weights, float* out);
+  /// light_prior_features(): means and out [count, columns].
+  void (*features)(const float* means, int64_t count, int64_t columns, PriorScales scales,
+                   float* out);
 };
 
 /// Discs that a ray may meet in a cell: some columns of SurfelGrid::geometry, of which up to 16

@@ -124,9 +124,42 @@ void means(PriorPoints points, PriorQueries queries, PriorWeights weights, float
   }
 }
 
+/// Logarithms of 16 numbers at a time: what a row has of them, in two arrays.
+void features(const float* means, int64_t count, int64_t columns, PriorScales scales, float* out) {
+  using Column = PriorColumn;
+  constexpr int64_t kLogs = 16;
+  static_assert(kChannels + 3 <= kLogs);
+  const auto least = static_cast<float>(scales.least_mean), log = static_cast<float>(scales.log),
+             shift = static_cast<float>(scales.log_shift);
+  float more[kLogs] = {}, plain[kLogs];
+  for (float& value : plain) value = 1;
+  for (int64_t q = 0; q < count; ++q, means += columns, out += columns) {
+    const float g = (means[0] + means[1] + means[2]) * (1.0f / 3);
+    const float inverse = 1.0f / (g + least);
+    for (int64_t c = 0; c < kChannels; ++c) more[c] = means[c];
+    more[Column::kVariance] = __builtin_sqrtf(means[Column::kVariance]) * inverse;
+    more[kChannels + 1] = means[Column::kGray];
+    more[kChannels + 2] = g;
+    plain[0] = means[Column::kWeight];
+    plain[1] = means[Column::kDistance2];
+    for (int64_t i = 0; i < kLogs; i += kLanes<float>)
+      store(more + i, logarithm_of_one_more(load(more + i)));
+    const Float two = logarithm(load(plain));
+    for (int64_t c = 0; c <= Column::kVariance; ++c) out[c] = more[c];
+    out[Column::kWeight] = two[0] / log;
+    out[Column::kFacing] = means[Column::kFacing];
+    out[Column::kHeight] = means[Column::kHeight];
+    out[Column::kGray] = more[kChannels + 1] - more[kChannels + 2];
+    out[Column::kDistance2] = (two[1] + shift) / log;
+    if (columns > kPriorMeans)
+      out[Column::kNoise] = __builtin_sqrtf(means[Column::kNoise]) * inverse;
+    for (int64_t i = kChannels + 3; i < kLogs; ++i) more[i] = 0;
+  }
+}
+
 }  // namespace
 
 extern const PriorKernels kPriorKernels;
-const PriorKernels kPriorKernels{means};
+const PriorKernels kPriorKernels{means, features};
 
 }  // namespace lte::ops::LTE_ISA

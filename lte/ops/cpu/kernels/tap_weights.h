@@ -5,10 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <ATen/Parallel.h>
-#include <c10/util/BFloat16.h>
-
 #include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/tensor/tensor.h"
 
 namespace lte::ops {
 

@@ -83,4 +83,37 @@ static inline Vector<float> softplus(const Vector<float>& x) {
   return (x < zero ? zero : x) + s * splat(2.0f) * p;
 }
 
+/// log(x) to 2 units in the last place, for x > 0 that is not subnormal; what is no number stays.
+static inline Vector<float> logarithm(const Vector<float>& x) {
+  Vector<uint32_t> bits;
+  __builtin_memcpy(&bits, &x, sizeof bits);
+  // x = m 2^e with m in [√½, √2).
+  const Vector<uint32_t> shifted = bits - 0x3f3504f3U;
+  const Vector<int32_t> exponent = (Vector<int32_t>)shifted >> 23;
+  bits -= (Vector<uint32_t>)exponent << 23;
+  Vector<float> m;
+  __builtin_memcpy(&m, &bits, sizeof m);
+  const Vector<float> e = __builtin_convertvector(exponent, Vector<float>);
+  const Vector<float> r = m - splat(1.0f), square = r * r;
+  Vector<float> p = r * splat(7.0376836292e-2f) - splat(1.1514610310e-1f);
+  p = p * r + splat(1.1676998740e-1f);
+  p = p * r - splat(1.2420140846e-1f);
+  p = p * r + splat(1.4249322787e-1f);
+  p = p * r - splat(1.6668057665e-1f);
+  p = p * r + splat(2.0000714765e-1f);
+  p = p * r - splat(2.4999993993e-1f);
+  p = p * r + splat(3.3333331174e-1f);
+  p = p * r * square - e * splat(2.12194440e-4f) - square * splat(0.5f);
+  const Vector<float> log = r + p + e * splat(0.693359375f);
+  return x < splat(__builtin_inff()) ? log : x;
+}
+
+/// log(1 + x) as closely, for x >= 0.
+static inline Vector<float> logarithm_of_one_more(const Vector<float>& x) {
+  const Vector<float> sum = x + splat(1.0f);
+  // What the sum has rounded away, by the slope of the logarithm.
+  const Vector<float> lost = (x - (sum - splat(1.0f))) / sum;
+  return x < splat(__builtin_inff()) ? logarithm(sum) + lost : x;
+}
+
 }  // namespace lte::ops::LTE_ISA

@@ -2,15 +2,11 @@
 #include <algorithm>
 #include <limits>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/full.h>
-#include <ATen/ops/zeros.h>
-#include <ATen/ops/zeros_like.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/dense/linear_gradient.h"
 #include "lte/ops/cpu/dense/packed_linear.h"
 #include "lte/ops/neighbour_max_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

@@ -4,18 +4,12 @@
 #include <cstring>
 #include <vector>
 
-#include <ATen/Dispatch.h>
-#include <ATen/Parallel.h>
-#include <ATen/ops/constant_pad_nd.h>
-#include <ATen/ops/empty.h>
-#include <ATen/ops/empty_like.h>
-#include <ATen/ops/empty_strided.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/dense/packed_linear.h"
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/neighbours/pairs_by_latent.h"
 #include "lte/ops/neighbour_sums_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

@@ -1,12 +1,11 @@
 // solve_light on the CPU: radiosity::solve() on tensors.
 #include <span>
 
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
-
 #include "lte/ops/solve_light.h"
 #include "lte/ops/solve_light_args.h"
 #include "lte/radiosity/point_radiosity.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

@@ -1,10 +1,9 @@
 // Codes along space-filling curves on the CPU.
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
 
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/curve_codes_kernel.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

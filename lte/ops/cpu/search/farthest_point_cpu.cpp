@@ -4,12 +4,11 @@
 #include <limits>
 #include <vector>
 
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/search/kd_tree.h"
 #include "lte/ops/farthest_point_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

@@ -14,10 +14,6 @@
 #include <numeric>
 #include <vector>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
-
 #include "lte/base/unfilled_vector.h"
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/search/box_levels.h"
@@ -26,6 +22,8 @@
 #include "lte/ops/curve_codes_kernel.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/knn_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

@@ -3,13 +3,11 @@
 #include <cmath>
 #include <vector>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/search/radix_sort.h"
 #include "lte/ops/curve_codes_kernel.h"
 #include "lte/ops/spatial_order_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {

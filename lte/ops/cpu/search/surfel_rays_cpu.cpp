@@ -2,12 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <ATen/Parallel.h>
-#include <ATen/ops/empty.h>
-#include <torch/library.h>
-
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/surfel_rays_args.h"
+#include "lte/tensor/functions.h"
+#include "lte/tensor/library.h"
 
 namespace lte::ops {
 namespace {
