@@ -78,7 +78,7 @@ LTE_API lte_status lte_scene_get_camera(const lte_scene* scene, int64_t number, 
 
 typedef struct lte_scene_encode_options {
   size_t struct_size;
-  int64_t scene_points; /**< 0: as many as in the model's training */
+  int64_t scene_points; /**< 0: as many as the scene needs */
   uint64_t seed;
   int32_t rescale;  /**< lte_scene_points::rescale */
   int32_t reserved; /**< 0 */

@@ -29,6 +29,7 @@ void prepare(const MethodScene& scene, By by) {
     infer::EmbedSettings settings;
     settings.seed = scene.seed;
     settings.rescale = true;
+    settings.reader = embed::Reader::Rays;
     scene.renderer.embed(scene.network, settings);
   }
   render::CacheSettings cache;

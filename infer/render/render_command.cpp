@@ -45,8 +45,6 @@ constexpr int64_t kMaxPixelsBeside = int64_t{1} << 20;
 constexpr uint64_t kCheckPaths = 36, kCheckedPlaces = 37;
 /// The most that a check takes of a given time, but for its first paths.
 constexpr double kCheckShare = 0.1;
-/// Scene points for gathered pictures: the fewest in all, and those that a luminaire takes.
-constexpr int64_t kLeastScenePoints = 2048, kPointsOfLuminaire = 16;
 
 std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& bvh) {
   const auto [width, height] = parse_picture_size(request.size);
@@ -174,25 +172,10 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
   return std::nullopt;
 }
 
-/// Rays gather what the network knows at records, which take their level from the scene: with a
-/// fourth of the points that it was trained on its error is 1 to 3 % larger there, in a third of
-/// the time. Not where many luminaires share the points, nor for files, which tools without such
-/// rays read too.
-int64_t scene_points(const RenderRequest& request, const scene::Scene& scene,
-                     const runtime::Network& network) {
-  if (request.embedding.scene_points > 0) return request.embedding.scene_points;
-  const int64_t trained = network.metadata().scene_points;
-  if (request.embedding.has_file()) return trained;
-  const int64_t few = std::max(trained / 4, std::min(trained, kLeastScenePoints));
-  const auto luminaires = static_cast<int64_t>(scene.light_groups.size());
-  return kPointsOfLuminaire * luminaires > few ? trained : few;
-}
-
 void embed(const RenderRequest& request, const std::vector<View>& views,
            const runtime::Network& network, const runtime::MemoryLimit& memory,
            Renderer* renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed, memory);
-  settings.scene_points = scene_points(request, renderer->bvh().scene(), network);
   const double search =
       cull_lights(request.embedding, renderer->bvh(), network, cameras_of(views), &settings);
   provide_embedding(request.embedding, network, settings, renderer);
@@ -414,7 +397,10 @@ void run_render(const RenderRequest& request) {
   if (network) {
     check_size(request.scene, scene, *network, request.embedding.rescale);
     if (request.embedding.load.empty())
-      memory.check_encoding(network->config(), scene_points(request, scene, *network));
+      memory.check_encoding(
+          network->config(),
+          embed::scene_point_count(renderer.bvh(), *network,
+                                   embed_settings(request.embedding, request.seed, memory)));
   }
   const bool gathers = renderer.needs_cache(settings);
   if (gathers) check_cache_fits(cache, scene, memory);

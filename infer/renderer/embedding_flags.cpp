@@ -17,10 +17,8 @@ void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
 }
 
 void add_embedding_keys(SetKeys* keys, EmbeddingFlags* flags) {
-  keys->add(
-      "scene_points", &flags->scene_points, 0, int64_t{1} << 28,
-      "scene points shown to the network; 0: as many as in training, or a fourth of them where "
-      "rays gather what it knows and few luminaires share them");
+  keys->add("scene_points", &flags->scene_points, 0, int64_t{1} << 28,
+            "scene points shown to the network; 0: as many as the scene needs");
   keys->add("prune", &flags->prune, {"auto", "on", "off"},
             "show the network only surfaces that light reaches, and only light that reaches what "
             "is seen; auto: as in its training");
@@ -38,6 +36,8 @@ EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
                              const runtime::MemoryLimit& memory) {
   EmbedSettings settings;
   settings.scene_points = flags.scene_points;
+  // Programs without rays read a file, too.
+  settings.reader = flags.has_file() ? embed::Reader::Points : embed::Reader::Rays;
   settings.seed = seed;
   settings.rescale = flags.rescale;
   if (flags.prune != "auto") settings.prune = flags.prune == "on";
@@ -67,7 +67,7 @@ void provide_embedding(const EmbeddingFlags& flags, const runtime::Network& netw
                        const EmbedSettings& settings, Renderer* renderer) {
   if (!flags.has_file()) return renderer->embed(network, settings);
   const runtime::EmbeddingKey key =
-      embed::embedding_key(renderer->bvh().scene(), network, settings);
+      embed::embedding_key(renderer->bvh(), network, settings);
   const Timer timer;
   if (!flags.load.empty()) {
     renderer->set_embedding(runtime::load_embedding(flags.load, network, key, settings.memory));

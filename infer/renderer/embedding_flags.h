@@ -17,7 +17,7 @@
 namespace lte::infer {
 
 struct EmbeddingFlags {
-  int64_t scene_points = 0;  ///< 0: as many as in the model's training
+  int64_t scene_points = 0;  ///< 0: as many as the scene needs
   std::string prune = "auto";
   bool rescale = true;
   std::string load, save;  ///< files; empty: none

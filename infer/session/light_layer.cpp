@@ -109,9 +109,8 @@ GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
                           const runtime::Network& network, const EmbedSettings& settings,
                           const PointsBefore& before, Accuracy accuracy,
                           const std::function<void()>& check, EditReport* report) {
-  const runtime::ModelMetadata& model = network.metadata();
   const bool whole = accuracy == Accuracy::Full;
-  const int64_t all = settings.scene_points > 0 ? settings.scene_points : model.scene_points;
+  const int64_t all = embed::scene_point_count(bvh, network, settings);
   const int64_t count = whole ? all : std::max<int64_t>(1, all / kDraftShare);
   const bool prune = settings.prunes(network);
   GroupedPoints out;

@@ -1,6 +1,5 @@
 #include "infer/view/load_session.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -23,10 +22,11 @@ runtime::Network load_network(const ViewRequest& request) {
 
 /// Says what the network makes of the scene.
 /// @throws runtime::LimitError where it cannot be used
-void check_network(const ViewRequest& request, const scene::Scene& scene,
+void check_network(const ViewRequest& request, const pathtrace::Bvh& bvh,
                    const runtime::Network& network, const SessionSettings& settings) {
-  check_size(request.scene, scene, network, request.rescale);
-  settings.embedding.memory.check_encoding(network.config(), settings.embedding.scene_points);
+  check_size(request.scene, bvh.scene(), network, request.rescale);
+  settings.embedding.memory.check_encoding(
+      network.config(), embed::scene_point_count(bvh, network, settings.embedding));
 }
 
 /// Warns of light that the network reads and does not know, or that is traced for that.
@@ -40,26 +40,24 @@ void warn_of_light(const ViewRequest& request, const SessionState& state,
 }
 
 /// What is seen until a page asks for anything else.
-ViewState first_view(const ViewRequest& request, const scene::Scene& scene) {
+ViewState first_view(const ViewRequest& request, const pathtrace::Bvh& bvh) {
   const auto [width, height] = parse_picture_size(request.size);
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
-  const pathtrace::Bvh bvh(scene);
   pathtrace::warn_of_lost_light(request.scene, bvh);
   const std::vector<View> views = choose_views(bvh, request.camera, "", aspect);
   LTE_CHECK(views.size() == 1, "--camera ", request.camera, ": expected one camera, got ",
             views.size());
-  check_in_view(scene, bvh.bounds(), views, aspect);
+  check_in_view(bvh.scene(), bvh.bounds(), views, aspect);
   ViewState first;
   first.camera = views.front().camera;
   first.size = {width, height};
   return first;
 }
 
-SessionSettings settings_of(const ViewRequest& request,
-                            const std::optional<runtime::Network>& network) {
+SessionSettings settings_of(const ViewRequest& request) {
   SessionSettings settings;
-  settings.embedding.scene_points =
-      live_scene_points(request.scene_points, network ? network->metadata().scene_points : 0);
+  settings.embedding.scene_points = request.scene_points;
+  settings.embedding.reader = embed::Reader::Rays;
   settings.embedding.seed = request.seed;
   settings.embedding.rescale = request.rescale;
   settings.embedding.memory = runtime::MemoryLimit(request.tool.max_memory_mb);
@@ -71,16 +69,9 @@ SessionSettings settings_of(const ViewRequest& request,
 /// Nobody but who looks at its attention waits for the network of a gathered picture.
 void show_attention_of(const ViewRequest& request, SessionSettings* settings) {
   settings->attention_of = [request] { return load_network(request); };
-  settings->embedding.scene_points =
-      request.scene_points > 0 ? request.scene_points : kMaxLivePoints;
 }
 
 }  // namespace
-
-int64_t live_scene_points(int64_t wanted, int64_t trained) {
-  if (wanted > 0) return wanted;
-  return wanted == 0 || trained == 0 ? trained : std::min(trained, kMaxLivePoints);
-}
 
 LoadedSession load_session(const ViewRequest& request, const CommandFiles& files) {
   scene::Scene scene = load_source(request);
@@ -92,12 +83,15 @@ LoadedSession load_session(const ViewRequest& request, const CommandFiles& files
                 "(--environment 1,1,1 or --add-light auto gives it some)");
   std::optional<runtime::Network> network;
   if (lit && request.integrator == "network") network = load_network(request);
-  SessionSettings settings = settings_of(request, network);
+  SessionSettings settings = settings_of(request);
   if (lit && !network) show_attention_of(request, &settings);
-  if (network) check_network(request, scene, *network, settings);
-  files.check_what_was_read();
   LoadedSession out;
-  out.first = first_view(request, scene);
+  {
+    const pathtrace::Bvh bvh(scene);
+    if (network) check_network(request, bvh, *network, settings);
+    files.check_what_was_read();
+    out.first = first_view(request, bvh);
+  }
   settings.cameras = {out.first.camera};
   std::optional<runtime::ModelMetadata> model;
   if (network) model = network->metadata();

@@ -15,11 +15,6 @@ struct LoadedSession {
   ViewState first;
 };
 
-/// How many scene points a live scene is shown by.
-/// @param wanted   ViewRequest::scene_points
-/// @param trained  of the model; 0 without one
-int64_t live_scene_points(int64_t wanted, int64_t trained);
-
 /// Loads scene and network, and encodes.
 /// @param files  that know what is written; asked when all has been read
 /// @throws lte::Error for a scene, camera or model that cannot be used

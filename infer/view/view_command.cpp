@@ -1,6 +1,5 @@
 #include "infer/view/view_command.h"
 
-#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -46,19 +45,6 @@ std::string check_token(const std::string& text) {
   return text == "auto" || is_token(text)
              ? ""
              : "expected auto, or 8 to 128 letters, digits, '-' and '_'";
-}
-
-std::string read_points(const std::string& text, int64_t* points) {
-  if (text == "auto") {
-    *points = kAutoPoints;
-    return "";
-  }
-  int64_t value = 0;
-  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || at != text.data() + text.size() || value < 0 || value > 1 << 28)
-    return "expected auto or a whole number";
-  *points = value;
-  return "";
 }
 
 std::string check_view_size(const std::string& text) {
@@ -201,14 +187,8 @@ void add_view_options(CLI::App& app, ViewRequest* r) {
                "Load scene, camera and model, and serve nothing");
   r->keys.add("records", &r->records, 2, int64_t{1} << 22,
               "places that the irradiance cache knows");
-  r->keys.add(
-      "scene_points", "auto|N",
-      [r](const std::string& text) { return read_points(text, &r->scene_points); },
-      [r] {
-        return r->scene_points == kAutoPoints ? std::string("auto") : concat(r->scene_points);
-      },
-      "of network: scene points shown to it; 0: as many as in training; auto: these, but "
-      "4,096 at most");
+  r->keys.add("scene_points", &r->scene_points, 0, int64_t{1} << 28,
+              "of network: scene points shown to it; 0: as many as the scene needs");
   r->keys.add("rescale", &r->rescale,
               "of network: shrink a scene larger than the model knows, for it only");
   add_scene_keys(&r->keys, r);

@@ -11,11 +11,6 @@
 
 namespace lte::infer::view {
 
-/// Scene points of a live scene unless others are given: those of the model's training, but this
-/// many at most, as an edit traces light on all of them anew.
-inline constexpr int64_t kMaxLivePoints = 4096;
-inline constexpr int64_t kAutoPoints = -1;
-
 /// The command line as it stands. The flags themselves check its words.
 struct ViewRequest : SceneSource {
   std::string checkpoint, camera;
@@ -23,7 +18,7 @@ struct ViewRequest : SceneSource {
   int port = 8420;
   std::string token;  ///< "auto" for one by chance; empty: none on this machine, else by chance
   std::string size = "640x480";
-  int64_t scene_points = kAutoPoints;  ///< 0: as many as in the model's training
+  int64_t scene_points = 0;  ///< 0: as many as the scene needs
   uint64_t seed = 0;
   bool rescale = true, validate_only = false;
   std::string integrator = "gather";  ///< a word of Method

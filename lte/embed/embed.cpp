@@ -14,12 +14,17 @@ std::vector<int> culled_lights(const pathtrace::Bvh& bvh, const runtime::Network
   return culled_lights(bvh, receivers, settings.seed);
 }
 
+int64_t scene_point_count(const pathtrace::Bvh& bvh, const runtime::Network& network,
+                          const EmbedSettings& settings) {
+  if (settings.scene_points > 0) return settings.scene_points;
+  return scene_point_count(bvh, network.metadata().scene_points, settings.reader);
+}
+
 Embedded embed(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                const runtime::Network& network, const EmbedSettings& settings) {
   const std::vector<int> culled =
       settings.prunes(network) ? settings.culled_lights : std::vector<int>();
-  const int64_t count =
-      settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
+  const int64_t count = scene_point_count(bvh, network, settings);
   Timer timer;
   pathtrace::PruneCounts pruned;
   scene::SurfaceSamples samples =

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lte/embed/culled_lights.h"
+#include "lte/embed/point_count.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 #include "lte/pathtrace/reach/reach.h"
@@ -16,7 +17,8 @@
 namespace lte::embed {
 
 struct EmbedSettings {
-  int64_t scene_points = 0;  ///< M; 0 for that of the model's training
+  int64_t scene_points = 0;  ///< M; 0 for as many as the scene needs: scene_point_count()
+  Reader reader = Reader::Points;
   uint64_t seed = 0;
   bool rescale = false;
   /// Draw scene points only where light reaches them (lte/pathtrace/reach/reach.h); by default as
@@ -32,6 +34,10 @@ struct EmbedSettings {
     return prune.value_or(network.metadata().scene_points_pruned);
   }
 };
+
+/// M of such an embedding.
+int64_t scene_point_count(const pathtrace::Bvh& bvh, const runtime::Network& network,
+                          const EmbedSettings& settings);
 
 /// What EmbedSettings::culled_lights should be for an embedding whose queries are at the receivers:
 /// nothing where points are not pruned.

@@ -7,15 +7,13 @@
 
 namespace lte::embed {
 
-runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Network& network,
+runtime::EmbeddingKey embedding_key(const pathtrace::Bvh& bvh, const runtime::Network& network,
                                     const EmbedSettings& settings) {
-  const scene::Fingerprint print = fingerprint(scene);
-  const int64_t points =
-      settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
+  const scene::Fingerprint print = fingerprint(bvh.scene());
   return {{"scene geometry", print.geometry},
           {"scene materials", print.materials},
           {"scene lights", print.lights},
-          {"scene-points", std::to_string(points)},
+          {"scene-points", std::to_string(scene_point_count(bvh, network, settings))},
           {"drawn by rules", std::to_string(kScenePointsVersion)},
           {"prune", settings.prunes(network) ? "on" : "off"},
           {"seed", std::to_string(settings.seed)}};

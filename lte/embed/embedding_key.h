@@ -2,15 +2,15 @@
 #pragma once
 
 #include "lte/embed/embed.h"
+#include "lte/pathtrace/bvh.h"
 #include "lte/runtime/embedding_file.h"
 #include "lte/runtime/network.h"
-#include "lte/scene/scene.h"
 
 namespace lte::embed {
 
 /// Everything but network and precision that an embedding of embed() depends on: the fingerprint of
 /// the scene, and how its points are drawn.
-runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Network& network,
+runtime::EmbeddingKey embedding_key(const pathtrace::Bvh& bvh, const runtime::Network& network,
                                     const EmbedSettings& settings);
 
 }  // namespace lte::embed

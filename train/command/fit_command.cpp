@@ -138,7 +138,7 @@ std::string FitCommand::run(const CommonOptions& common) {
   embed::EmbedSettings settings;
   settings.seed = options.seed;
   settings.rescale = true;
-  const runtime::EmbeddingKey key = embed::embedding_key(scene, network, settings);
+  const runtime::EmbeddingKey key = embed::embedding_key(bvh, network, settings);
   const runtime::SceneEmbedding start = options.start.empty()
                                             ? embed::embed(bvh, lights, network, settings).embedding
                                             : runtime::load_embedding(options.start, network, key);

@@ -152,17 +152,20 @@ std::string ScenePainter::not_for(const SceneMethod& method) const {
              : "";
 }
 
-PictureSeconds ScenePainter::embed(const SceneModel& model) {
-  if (embedded_ == &model) return embedding_seconds_;
+PictureSeconds ScenePainter::embed(const SceneModel& model, embed::Reader reader) {
   const Stopwatch watch;
   EmbedSettings settings;
+  settings.reader = reader;
   settings.seed = settings_.seed;
   settings.rescale = true;
   settings.memory = settings_.memory;
+  settings.scene_points = embed::scene_point_count(view_.renderer->bvh(), model.network, settings);
+  const std::pair made{&model, settings.scene_points};
+  if (embedded_ == made) return embedding_seconds_;
   settings.culled_lights = embed::culled_lights(view_.renderer->bvh(), model.network, settings,
                                                 std::vector<scene::Camera>{view_.camera});
   view_.renderer->embed(model.network, settings);
-  embedded_ = &model;
+  embedded_ = made;
   embedding_seconds_ = watch.seconds();
   return embedding_seconds_;
 }
@@ -170,14 +173,15 @@ PictureSeconds ScenePainter::embed(const SceneModel& model) {
 ScenePictures ScenePainter::paint(const SceneMethod& method) {
   ScenePictures out;
   Renderer& renderer = *view_.renderer;
-  if (method.model != nullptr) out.seconds = embed(*method.model);
+  const bool decodes = method.kind == SceneMethodKind::Decoded;
+  if (method.model != nullptr)
+    out.seconds = embed(*method.model, decodes ? embed::Reader::Points : embed::Reader::Rays);
   RenderSettings settings;
   settings.width = settings_.width;
   settings.height = settings_.height;
   settings.max_depth = settings_.max_depth;
   settings.seed = settings_.seed;
   settings = settings_of(method, settings);
-  const bool decodes = method.kind == SceneMethodKind::Decoded;
   const Stopwatch watch;
   if (decodes) settings.output = Output::Direct;
   if (renderer.needs_cache(settings)) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "infer/eval/scenes/scene_view.h"
@@ -82,11 +83,11 @@ class ScenePainter {
   ScenePictures paint(const SceneMethod& method);
 
  private:
-  PictureSeconds embed(const SceneModel& model);
+  PictureSeconds embed(const SceneModel& model, embed::Reader reader);
 
   SceneView& view_;
   Settings settings_;
-  const SceneModel* embedded_ = nullptr;
+  std::pair<const SceneModel*, int64_t> embedded_{};  ///< and by how many scene points
   PictureSeconds embedding_seconds_;
 };
 

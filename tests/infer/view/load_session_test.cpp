@@ -13,14 +13,6 @@
 namespace lte::infer::view {
 namespace {
 
-TEST(LiveScenePoints, AreThoseAskedForOrOfTrainingButFewByDefault) {
-  EXPECT_EQ(live_scene_points(kAutoPoints, 2048), 2048);
-  EXPECT_EQ(live_scene_points(kAutoPoints, 8192), 4096);
-  EXPECT_EQ(live_scene_points(0, 8192), 8192);
-  EXPECT_EQ(live_scene_points(6000, 8192), 6000);
-  EXPECT_EQ(live_scene_points(kAutoPoints, 0), 0) << "no network";
-}
-
 /// A model that has seen no sky, in a room under one.
 TEST(LoadSession, LeavesOutWhatDoesNotReachTheFirstView) {
   const test::TempDir folder;

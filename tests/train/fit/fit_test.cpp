@@ -191,7 +191,7 @@ TEST_F(FitTool, RefusesAnEmbeddingOfAnotherModel) {
   const embed::EmbedSettings settings = few_points();
   save_embedding(dir_ / "other.safetensors",
                  embed::embed(room.bvh, room.lights, other, settings).embedding,
-                 embed::embedding_key(room.scene, other, settings));
+                 embed::embedding_key(room.bvh, other, settings));
   expect_refused({path, "--out", out(), "--embedding", (dir_ / "other.safetensors").string()},
                  "made with another model");
 }
