@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "lte/base/random.h"
 #include "lte/base/text.h"
 #include "lte/pathtrace/gbuffer.h"
 #include "lte/pathtrace/irradiance.h"
@@ -18,6 +19,9 @@ constexpr int kPaths = 64;                ///< from a place that a camera sees
 constexpr int kAllPaths = kPaths * kWidth * kHeight;
 constexpr size_t kBlock = 4096;  ///< places of one search
 constexpr int kMinPaths = 4;     ///< from a place, however many there are
+// Most lights are found at once: these are traced before all others.
+constexpr int kFirstPaths = 2;
+constexpr uint64_t kFirst = 1;
 constexpr int kNoRoulette = 1 << 20;
 
 struct Places {
@@ -53,28 +57,38 @@ void note_arrivals(const pathtrace::Irradiance& found, std::vector<uint8_t>* arr
   }
 }
 
-/// A block of places at a time, as what is found has a value for each group and place; no more of
-/// them when all light has been found.
+/// Notes which groups' light arrives, a block of places at a time, as what is found has a value for
+/// each group and place. @return whether all have been found; then no more is traced
+bool find_arrivals(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                   std::span<const Vec3> position, std::span<const Vec3> normal, int paths,
+                   uint64_t seed, std::vector<uint8_t>* arrived) {
+  pathtrace::IrradianceOptions options;
+  options.rays = paths;
+  options.seed = seed;
+  options.roulette_depth = kNoRoulette;
+  options.variance = false;
+  for (size_t first = 0; first < position.size(); first += kBlock) {
+    const size_t count = std::min(kBlock, position.size() - first);
+    note_arrivals(pathtrace::estimate_irradiance(bvh, lights, position.subspan(first, count),
+                                                 normal.subspan(first, count), options,
+                                                 static_cast<int64_t>(first)),
+                  arrived);
+    if (std::ranges::count(*arrived, 0) == 0) return true;
+  }
+  return false;
+}
+
 /// @param paths  from each place
 std::vector<int> without_arrivals(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
                                   std::span<const Vec3> normal, int paths, uint64_t seed) {
   const pathtrace::Lights lights(bvh.scene(), pathtrace::LightChoice::EachGroup);
   std::vector<int> culled;
   if (lights.empty() || position.empty()) return culled;
-  pathtrace::IrradianceOptions options;
-  options.rays = paths;
-  options.seed = seed;
-  options.roulette_depth = kNoRoulette;
-  options.variance = false;
   std::vector<uint8_t> arrived(static_cast<size_t>(lights.groups()));
-  for (size_t first = 0; first < position.size(); first += kBlock) {
-    const size_t count = std::min(kBlock, position.size() - first);
-    note_arrivals(pathtrace::estimate_irradiance(bvh, lights, position.subspan(first, count),
-                                                 normal.subspan(first, count), options,
-                                                 static_cast<int64_t>(first)),
-                  &arrived);
-    if (std::ranges::count(arrived, 0) == 0) return culled;
-  }
+  if (find_arrivals(bvh, lights, position, normal, kFirstPaths, hash_combine(seed, kFirst),
+                    &arrived) ||
+      find_arrivals(bvh, lights, position, normal, paths, seed, &arrived))
+    return culled;
   for (size_t group = 0; group < arrived.size(); ++group) {
     if (!arrived[group]) culled.push_back(static_cast<int>(group));
   }
