@@ -171,12 +171,14 @@ def main():
         kept.mkdir(exist_ok=True)
         shutil.copyfile(measured(name, args), kept / f"{name}.json")
     if args.page:
-        page = ROOT / "docs" / "paper.md"
-        text = paper_page.page(kept)
-        if not args.check:
-            page.write_text(text, encoding="utf-8")
-        elif text != page.read_text(encoding="utf-8"):
-            raise Fault(f"{page}: differs from docs/paper: run scripts/figures/paper.py --page")
+        files = {ROOT / "docs" / "paper.md": paper_page.page(kept)}
+        files |= {ROOT / "docs" / "images" / name: text
+                  for name, text in paper_page.charts(kept).items()}
+        for path, text in files.items():
+            if not args.check:
+                path.write_text(text, encoding="utf-8")
+            elif text != path.read_text(encoding="utf-8"):
+                raise Fault(f"{path}: differs from docs/paper: run scripts/figures/paper.py --page")
 
 
 if __name__ == "__main__":

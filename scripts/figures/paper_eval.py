@@ -82,5 +82,6 @@ def size_line(rows):
             + eval_line(rows))
 
 
-EVAL_COLUMNS = (("method", "method"), ("MSE", "mse"), ("95 %", "interval"), ("SSIM", "ssim"),
-                ("FLIP", "flip"), ("paths of equal error", "worth"))
+EVAL_COLUMNS = (("method", "method"), ("learnt from", "training"), ("MSE", "mse"),
+                ("95 %", "interval"), ("SSIM", "ssim"), ("FLIP", "flip"),
+                ("paths of equal error", "worth"))

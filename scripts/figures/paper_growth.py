@@ -35,12 +35,15 @@ def steps_of_demo(root):
 
 
 def growth(run, train):
-    """@param train  (label, words) -> result of experiment_paper roadmap"""
+    """Steps by the log of lte-demo; scenes and parameters, which --quick leaves out, by trainings.
+
+    @param train  (label, seed, words) -> result of experiment_paper roadmap
+    """
     rows = []
     rows += [{"kind": "steps", "value": step, "seed": "lte-demo", "mse": mse}
              for step, mse in steps_of_demo(run.root)]
     for seed in (1, 2):
-        for scenes in run.size((60, 240, 960), (12, 48, 192)):
+        for scenes in run.size((60, 240, 960), ()):
             found = train(f"scenes-{scenes}-{seed}", seed, ["--scenes", scenes])
             rows.append({"kind": "scenes", "value": scenes, "seed": seed, "mse": found["mse"]})
         for channels in run.size((16, 32, 64), ()):
@@ -90,7 +93,9 @@ def panel(rows, kind, left):
 
 
 def chart(rows):
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH * len(kinds_of(rows))} {HEIGHT}" '
+    width = WIDTH * len(kinds_of(rows))
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{2 * width}" '
+           f'viewBox="0 0 {width} {HEIGHT}" '
            'font-family="sans-serif" font-size="11">',
            '<rect width="100%" height="100%" fill="#fff"/>']
     for i, kind in enumerate(kinds_of(rows)):

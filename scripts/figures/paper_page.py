@@ -1,6 +1,7 @@
 """docs/paper.md: every table and figure of the paper, and what was measured beside it."""
 import json
 
+import paper_growth
 from paper_rows import ROWS
 from paper_words import digits
 
@@ -45,6 +46,11 @@ PICTURE = """
 draft, shown at a third](images/paper_teaser.jpg)
 """
 
+GROWTH = """
+![Error of lte-demo by steps, with a power law through one run whose rate falls, and the steps of
+the paper](images/paper_growth.svg)
+"""
+
 AFTER = ("table1",)  # shown in full
 
 
@@ -83,4 +89,11 @@ def page(folder):
             found = files[row.name]
             text += (f"\n## {row.items}\n\n`{found['command']}`, {found['date']}, "
                      f"{found['machine']}.\n\n{table(row, found['rows'])}")
-    return text + PICTURE
+    return text + (GROWTH if "growth" in files else "") + PICTURE
+
+
+def charts(folder):
+    """Pictures that the page shows of the rows, by name in docs/images."""
+    path = folder / "growth.json"
+    return {"paper_growth.svg": paper_growth.chart(json.loads(path.read_text())["rows"])} \
+        if path.exists() else {}
