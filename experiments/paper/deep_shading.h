@@ -1,5 +1,5 @@
-// Deep Shading (Nalbach et al. 2017) for indirect light: a convolutional network over what a picture
-// shows of its surfaces, one color channel at a time.
+// Deep Shading (Nalbach et al. 2017) for indirect light: a convolutional network over what a
+// picture shows of its surfaces, one color channel at a time.
 #pragma once
 
 #include <cstdint>

@@ -34,8 +34,8 @@ std::vector<size_t> draw_weighted(std::span<const double> weights, int64_t count
 /// whatever the draw. Areas become what the points kept stand for: over its probability, or, of
 /// Farthest, that of the candidates nearest to each.
 /// @param draw  Area: evenly. Farthest: farthest point sampling. Light: by irradiance of a few
-///              paths. SmallObjects: by one over the root of an instance's area, as the paper tried.
-///              Triangles: as many on each triangle.
+///              paths. SmallObjects: by one over the root of an instance's area, a bias as the
+///              paper tried. Triangles: as many on each triangle.
 scene::SurfaceSamples draw_points(PointDraw draw, const pathtrace::Bvh& bvh,
                                   const pathtrace::Lights& lights,
                                   const scene::SurfaceSamples& candidates, int64_t count,
