@@ -248,8 +248,8 @@ def flicker_line(rows):
 ROWS = (
     Row("table1", "Table 1; figure 7", "MSE .048, SSIM .912; 64 paths .051, .425; "
         "Deep Shading .071, .882; Hermosilla .171, .775",
-        "4 h; 12 min", table1, eval_line, EVAL_COLUMNS),
-    Row("sampling", "Sampling of scene points", "no effect", "10 min; 1 min", sampling,
+        "4 h; 6 min", table1, eval_line, EVAL_COLUMNS),
+    Row("sampling", "Sampling of scene points", "no effect", "15 min; 3 min", sampling,
         sampling_line,
         (("draw", "draw"), ("points", "points"), ("MSE", "mse"), ("over even", "ratio"),
          ("95 %", "ratio_interval"))),
