@@ -21,9 +21,9 @@ enum class Reader {
 /// By 256 points and 32 rays from each: known to a fifth, and always the same of a scene.
 double surface_detail(const pathtrace::Bvh& bvh);
 
-/// M for a scene: half as many as in the model's training, as many or twice as many, by the scene's
-/// detail. Rays, which carry the light of records on over the scene, need an eighth of that. There
-/// are 1,024 at least, and 16 for each luminaire, as long as that is no more than in training.
+/// M for a scene: that of the model's training, or half of it where there is little detail. Rays,
+/// which carry the light of records on, need an eighth of it, in rich scenes a fourth. It is 1,024
+/// and 16 for each luminaire at least, as long as that is no more than in training.
 /// @param trained  M of the model's training
 int64_t scene_point_count(const pathtrace::Bvh& bvh, int64_t trained, Reader reader);
 

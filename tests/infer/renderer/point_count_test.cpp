@@ -53,7 +53,7 @@ TEST(PointCount, DetailAddsUpOverRoomsAndGrowsByFurniture) {
 TEST(PointCount, ManyRoomsHaveMoreThanOneAndRaysNeedFewer) {
   const scene::Scene one = rooms(1, 0), many = rooms(4, 36);
   EXPECT_EQ(count_of(one, Reader::Points), 4096);
-  EXPECT_EQ(count_of(many, Reader::Points), 16384);
+  EXPECT_EQ(count_of(many, Reader::Points), 8192);
   EXPECT_EQ(count_of(one, Reader::Rays), 1024);
   EXPECT_EQ(count_of(many, Reader::Rays), 2048);
 }
