@@ -16,7 +16,7 @@ constexpr int64_t kProbes = 256;
 constexpr int kRays = 16;  ///< from a side of a point
 constexpr int64_t kGrain = 16;
 constexpr uint64_t kPlaces = 81, kRaysOfPlace = 82;
-/// Rooms with little in them have less than the first, several furnished rooms more than the second.
+/// Rooms with little in them have less than the first, several furnished ones more than the second.
 constexpr double kPlain = 150, kRich = 425;
 /// Rays need so many times fewer, in rich scenes half as many times.
 constexpr int64_t kRaysNeedFewer = 8;
