@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
   lte::train::RunOptions options;
   lte::train::add_run_options(app, &options);
   lte::add_common_options(app, &common);
-  lte::train::Subcommands subcommands(app);
+  lte::train::Subcommands subcommands(app, &common);
 
   int signal = 0;
   const int status = lte::run_tool(app, argc, argv, [&] {

@@ -91,7 +91,8 @@ void claim_files(const FitOptions& options, const CommonOptions& common, Command
 
 }  // namespace
 
-FitCommand::FitCommand(CLI::App& app) : options_(std::make_unique<FitOptions>()) {
+FitCommand::FitCommand(CLI::App& app, CommonOptions* common)
+    : options_(std::make_unique<FitOptions>()) {
   CLI::App* fit = app.add_subcommand(
       "fit",
       "Write the embedding of one scene that answers it best: path-trace points of the scene, "
@@ -115,7 +116,7 @@ FitCommand::FitCommand(CLI::App& app) : options_(std::make_unique<FitOptions>())
   fit->add_option("--seed", o->seed, "Seed of points and paths; that of lte_render and lte_probe")
       ->capture_default_str();
   add_scene_options(*fit, o);
-  fit->fallthrough();
+  add_common_options(*fit, common);
   command_ = fit;
 }
 
@@ -153,6 +154,9 @@ std::string FitCommand::run(const CommonOptions& common) {
   FitProgress progress(options.scene);
   limits.progress = [&](const char*, double share) { progress.show(share); };
   const Fit fit = fit_embedding(bvh, lights, start, limits);
+  if (fit.steps == 0)
+    log_warning(options.scene, ": no time was left to learn in; give --time more than ",
+                options.time);
   runtime::save_embedding(options.out, fit.embedding, key);
   if (!common.json.empty())
     write_file(common.json, json_of(options, fit, timer.seconds()).dump(2) + "\n");

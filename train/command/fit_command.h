@@ -14,8 +14,8 @@ struct FitOptions;
 
 class FitCommand {
  public:
-  /// Adds the subcommand, which parses into this object.
-  explicit FitCommand(CLI::App& app);
+  /// Adds the subcommand, which parses into this object, and its common options into `common`.
+  FitCommand(CLI::App& app, CommonOptions* common);
   ~FitCommand();
   FitCommand(const FitCommand&) = delete;
   FitCommand& operator=(const FitCommand&) = delete;

@@ -6,7 +6,7 @@ namespace lte::train {
 
 struct FitOptions {};
 
-FitCommand::FitCommand(CLI::App&) {}
+FitCommand::FitCommand(CLI::App&, CommonOptions*) {}
 FitCommand::~FitCommand() = default;
 
 std::string FitCommand::run(const CommonOptions&) {

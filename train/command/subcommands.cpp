@@ -2,8 +2,8 @@
 
 namespace lte::train {
 
-Subcommands::Subcommands(CLI::App& app)
-    : fit_(app),
+Subcommands::Subcommands(CLI::App& app, CommonOptions* common)
+    : fit_(app, common),
       health_(add_health_command(app, &health_options_)),
       average_(add_average_command(app, &average_options_)) {}
 

@@ -13,8 +13,8 @@ namespace lte::train {
 
 class Subcommands {
  public:
-  /// Adds them to `app`, which parses into this object.
-  explicit Subcommands(CLI::App& app);
+  /// Adds them to `app`, which parses into this object and `common`.
+  Subcommands(CLI::App& app, CommonOptions* common);
   Subcommands(const Subcommands&) = delete;
   Subcommands& operator=(const Subcommands&) = delete;
 
