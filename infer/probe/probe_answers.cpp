@@ -59,9 +59,7 @@ GatheredProbe gather(const ProbeRequest& request,
   options.seed = request.seed;
   Progress progress("gathering", options.tables * static_cast<int64_t>(points.size()), "points");
   options.done = [&progress](int64_t count) { progress.advance(count); };
-  render::CacheSettings cache;
-  cache.records = request.records;
-  cache.max_depth = request.max_depth;
+  render::CacheSettings cache = cache_settings(request);
   const auto make_cache = [&](int number) {
     const auto at = static_cast<uint64_t>(number);
     cache.seed = hash_combine(hash_combine(request.seed, kCaches), at);

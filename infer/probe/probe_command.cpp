@@ -9,7 +9,6 @@
 #include "infer/check/check_report.h"
 #include "infer/probe/probe_answers.h"
 #include "infer/renderer/renderer.h"
-#include "infer/tool/tool_keys.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
@@ -18,46 +17,19 @@
 #include "lte/cli/numbers.h"
 #include "lte/cli/writable.h"
 #include "lte/embed/culled_lights.h"
-#include "lte/embed/untrained_light.h"
 #include "lte/pathtrace/probe.h"
 #include "lte/pathtrace/reach/lost_light.h"
-#include "lte/scene/light_points.h"
 
 namespace lte::infer {
 namespace {
 
 void check_usage(const ProbeRequest& r) {
-  const CLI::App& app = *r.flags;
   LTE_CHECK(r.error == 0 || r.by_paths(), "--error goes with --integrator path, not ",
             r.integrator);
-  for (const char* flag : {"--checkpoint", "--embedding", "--save-embedding"}) {
-    LTE_CHECK(app.count(flag) == 0 || r.needs_network(), flag,
-              " goes with --integrator network: ", r.integrator, " needs no model");
-  }
-  for (const char* key : {"scene_points", "prune", "rescale", "device", "precision"}) {
-    LTE_CHECK(!r.keys.is_given(key) || r.needs_network(), "--set ", key,
-              " goes with --integrator network: ", r.integrator, " needs no model");
-  }
-  for (const char* key : {"records", "check"}) {
-    LTE_CHECK(!r.keys.is_given(key) || !r.by_paths(), "--set ", key,
-              " goes with --integrator gather or network, not path");
-  }
+  check_light_used(r, {"records", "check"});
   if (r.validate_only) return;
   LTE_CHECK(!r.points.empty(), "--points: name a CSV file with the header px,py,pz,nx,ny,nz");
   LTE_CHECK(!r.out.empty(), "--out: name the CSV file to write");
-}
-
-/// The scene as the network reads it. Warns of light in it that the network does not know.
-EmbedSettings settings_for(const ProbeRequest& request, const runtime::Network& network,
-                           const scene::PointTable& points, const Renderer& renderer) {
-  EmbedSettings settings = embed_settings(request.embedding, request.seed,
-                                          runtime::MemoryLimit(request.tool.max_memory_mb));
-  cull_lights(request.embedding, renderer.bvh(), network,
-              embed::SurfacePlaces{points.position, points.normal}, &settings);
-  const std::string note = embed::untrained_light_note(renderer.bvh().scene(), network.metadata(),
-                                                       settings.culled_lights);
-  if (!note.empty()) log_warning(note);
-  return settings;
 }
 
 scene::PointColumns columns_of(const ProbeAnswer& answer) {
@@ -94,22 +66,10 @@ void write(const ProbeRequest& request, const scene::PointTable& points, const P
 }
 
 void claim_files(const ProbeRequest& request, CommandFiles* files) {
-  claim_scene(request, files);
-  claim_embedding(request.embedding, files);
+  claim_light_files(request, files);
   files->reads("--points", request.points);
-  files->reads("--checkpoint", request.checkpoint);
   files->writes("--out", request.out);
-  files->writes_common(request.tool.common);
   files->check();
-}
-
-std::optional<runtime::Network> load_network(const ProbeRequest& request, const scene::Scene& scene,
-                                             bool has_light) {
-  if (!request.needs_network() || !has_light) return std::nullopt;
-  runtime::Network network(checkpoint_or_shipped(request.checkpoint),
-                           network_options(request.tool));
-  network.check_fits(max_component(scene::point_bounds(scene).extent()), request.embedding.rescale);
-  return network;
 }
 
 }  // namespace
@@ -119,13 +79,7 @@ void add_probe_options(CLI::App& app, ProbeRequest* r) {
   app.add_option("--points", r->points,
                  "CSV file with the header px,py,pz,nx,ny,nz, world space, on surfaces");
   app.add_option("--out", r->out, "CSV file to write");
-  app.add_option("--integrator", r->integrator,
-                 "How light is computed. gather: rays from the points read path-traced light in an "
-                 "irradiance cache on surfaces, the least error for its time from about a thousand "
-                 "points on; network: the same rays read light that the network knows there; path: "
-                 "path tracing alone, without bias")
-      ->check(CLI::IsMember({"gather", "network", "path"}))
-      ->capture_default_str();
+  add_light_flags(app, "the points", r);
   app.add_option("--spp", r->spp,
                  "Rays a point, and as many samples of direct light, or paths: by default 256, of "
                  "path 1024, or with --error their cap, 65536")
@@ -134,25 +88,13 @@ void add_probe_options(CLI::App& app, ProbeRequest* r) {
                  "With --integrator path: relative standard error of total irradiance to reach, "
                  "e.g. 0.01")
       ->check(positive_number());
-  app.add_option("--checkpoint", r->checkpoint,
-                 "Model, with --integrator network; by default lte-hybrid");
   add_embedding_flags(app, &r->embedding);
-  app.add_option("--seed", r->seed, "Seed of all samples")->capture_default_str();
-  r->flags = &app;
-  r->keys.add("depth", &r->max_depth, 1, 1000, "surface hits of light's path after the point");
-  r->keys.add("records", &r->records, 2, int64_t{1} << 22,
-              "of gather and network: places that the irradiance cache knows");
+  add_light_keys("the point", r);
   r->keys.add("check", &r->check,
               "of gather and network: hold the indirect light to account by a few thousand paths, "
               "and warn where it is off by more than they explain");
-  add_scene_keys(&r->keys, r);
-  add_embedding_keys(&r->keys, &r->embedding);
-  add_network_keys(&r->keys, &r->tool);
-  r->keys.add_to(&app);
-  app.parse_complete_callback([r] { r->keys.read(); });
   app.add_flag("--validate-only", r->validate_only, "Check scene, points and flags, and stop");
-  add_scene_options(app, r);
-  add_plain_tool_options(app, &r->tool);
+  add_tool_flags(app, r);
 }
 
 void run_probe(const ProbeRequest& request) {
@@ -174,11 +116,14 @@ void run_probe(const ProbeRequest& request) {
                 ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
   pathtrace::warn_of_lost_light(request.scene, renderer.bvh());
   pathtrace::settle_points(renderer.bvh(), request.points, &points);
-  const std::optional<runtime::Network> network =
-      load_network(request, scene, renderer.has_light());
+  std::optional<runtime::Network> network;
+  if (request.needs_network() && renderer.has_light()) network = load_network(request, scene);
   files.check_what_was_read();
   EmbedSettings settings;
-  if (network) settings = settings_for(request, *network, points, renderer);
+  if (network) {
+    settings = embed_settings(request, *network,
+                              embed::SurfacePlaces{points.position, points.normal}, renderer);
+  }
   if (request.validate_only) {
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());

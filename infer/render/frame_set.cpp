@@ -1,7 +1,6 @@
 #include "infer/render/frame_set.h"
 
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -9,9 +8,6 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
-#include "lte/base/version.h"
-#include "lte/cli/cli.h"
-#include "lte/scene/fingerprint.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::infer {
@@ -24,12 +20,8 @@ constexpr const char* kFormat = "lte-frames";
 constexpr int kFormatVersion = 1;
 constexpr size_t kMaxBytes = size_t{64} << 20;
 
-/// Flags that change no pixel, or whose effect is in the fingerprints and the cameras.
-const std::set<std::string> kNoMatter = {
-    "scene",   "out",           "camera",         "cameras",      "turntable",     "resume",
-    "threads", "quiet",         "log-file",       "json",         "checkpoint",    "embedding",
-    "help",    "version",       "save-embedding", "print-config", "validate-only", "limits",
-    "up",      "allow-outside", "environment",    "add-light",    "edit"};
+/// Flags that change no pixel, or whose effect is in the cameras.
+const std::set<std::string> kNoMatter = {"camera", "cameras", "turntable", "edit"};
 
 /// The pattern's file with nothing in the place of number and name, in a folder without any.
 fs::path manifest_path(const std::string& pattern) {
@@ -88,25 +80,11 @@ std::map<std::string, std::string> texts_in(const fs::path& path, const Json& js
 
 }  // namespace
 
-FrameSettings frame_settings(CLI::App& app, const scene::Scene& scene,
-                             const runtime::Network* network) {
-  FrameSettings settings;
-  std::istringstream lines(config_text(app));
-  for (std::string line; std::getline(lines, line);) {
-    const size_t equals = line.find('=');
-    if (equals == std::string::npos || kNoMatter.contains(line.substr(0, equals))) continue;
-    settings["--" + line.substr(0, equals)] = line.substr(equals + 1);
-  }
-  const scene::Fingerprint print = fingerprint(scene);
-  settings["scene geometry"] = print.geometry;
-  settings["scene materials"] = print.materials;
-  settings["scene lights"] = print.lights;
-  settings["model"] = network != nullptr ? network->fingerprint() : "none";
-  settings["version of lte"] = version();
-  return settings;
+MadeWith frame_settings(CLI::App& app, const scene::Scene& scene, const runtime::Network* network) {
+  return made_with(app, scene, network, kNoMatter);
 }
 
-FrameSet::FrameSet(const std::string& pattern, FrameSettings settings)
+FrameSet::FrameSet(const std::string& pattern, MadeWith settings)
     : manifest_(manifest_path(pattern)), settings_(std::move(settings)) {}
 
 std::vector<View> FrameSet::missing(const std::vector<View>& views, bool resume) {
@@ -127,14 +105,9 @@ void FrameSet::check_manifest(const std::vector<View>& finished) {
   LTE_CHECK(fs::exists(manifest_), finished.front().out, ": exists, but not ", file,
             ", which would say how it was made; remove it or name other frames in --out");
   const Json json = read_manifest(manifest_);
-  const auto made_with = texts_in(manifest_, json, "settings");
+  const MadeWith there = texts_in(manifest_, json, "settings");
   const char* hint = "; remove these frames or name others in --out";
-  for (const auto& [name, here] : settings_) {
-    const auto found = made_with.find(name);
-    const std::string there = found == made_with.end() ? "nothing" : found->second;
-    LTE_CHECK(there == here, file, ": the frames were made with another ", name, ": ",
-              there.substr(0, 80), ", here it is ", here, hint);
-  }
+  check_made_with(file, "the frames were", there, settings_, hint);
   cameras_ = texts_in(manifest_, json, "cameras");
   for (const View& view : finished) {
     const auto found = cameras_.find(name_of(view));

@@ -14,23 +14,17 @@
 #include <CLI/CLI.hpp>
 
 #include "infer/render/views.h"
-#include "lte/runtime/network.h"
+#include "infer/renderer/made_with.h"
 
 namespace lte::infer {
 
-/// What pictures are made of, by name: flags as the command line shows them, and fingerprints.
-using FrameSettings = std::map<std::string, std::string>;
-
-/// The flags of `app` that change a picture of a given scene, network and camera, with the
-/// fingerprints of scene and, where there is one, network. A flag that is new counts unless it is
-/// listed in frame_set.cpp as one that changes nothing.
-FrameSettings frame_settings(CLI::App& app, const scene::Scene& scene,
-                             const runtime::Network* network);
+/// What pictures of a given scene, network and camera are made of.
+MadeWith frame_settings(CLI::App& app, const scene::Scene& scene, const runtime::Network* network);
 
 class FrameSet {
  public:
   /// @param pattern  --out, with %d, %04d or {name} in it
-  FrameSet(const std::string& pattern, FrameSettings settings);
+  FrameSet(const std::string& pattern, MadeWith settings);
 
   const std::filesystem::path& manifest() const { return manifest_; }
 
@@ -52,7 +46,7 @@ class FrameSet {
   void check_manifest(const std::vector<View>& finished);
 
   std::filesystem::path manifest_;
-  FrameSettings settings_;
+  MadeWith settings_;
   std::map<std::string, std::string> cameras_;  ///< JSON by file name
   std::optional<double> exposure_;
 };

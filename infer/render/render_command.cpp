@@ -125,13 +125,10 @@ void print_exposure(const RenderRequest& request, const std::string& out, double
 
 /// @throws lte::Error if an output would replace an input or another output
 void claim_files(const RenderRequest& request, CommandFiles* files) {
-  claim_scene(request, files);
-  claim_embedding(request.embedding, files);
-  files->reads("--checkpoint", request.checkpoint);
+  claim_light_files(request, files);
   files->reads("--camera", request.camera);
   claim_edits(request.edit, files);
   files->writes("--out", request.out);
-  files->writes_common(request.tool.common);
   files->check();
 }
 
@@ -199,7 +196,7 @@ std::optional<FrameSet> frames_of(const RenderRequest& request, const std::vecto
   LTE_CHECK(!named || !request.resume,
             "--resume goes with several pictures: --turntable, or --camera with a list or all");
   if (named) return std::nullopt;
-  FrameSettings settings = frame_settings(*request.flags, scene, network ? &*network : nullptr);
+  MadeWith settings = frame_settings(*request.flags, scene, network ? &*network : nullptr);
   if (request.edit.any()) {
     Checksum script;
     script.add(read_file(request.edit.script));
@@ -339,10 +336,8 @@ void check_command(const RenderRequest& request, CommandFiles* files) {
 }
 
 render::CacheSettings cache_settings(const RenderRequest& request, const RenderSettings& settings) {
-  render::CacheSettings out;
-  out.records = request.records;
+  render::CacheSettings out = cache_settings(request);
   out.paths = record_paths(settings);
-  out.max_depth = settings.max_depth;
   out.seed = settings.seed;
   return out;
 }

@@ -8,7 +8,6 @@
 #include "infer/render/help_groups.h"
 #include "infer/render/video.h"
 #include "infer/tool/picture_size.h"
-#include "infer/tool/tool_keys.h"
 #include "lte/base/check.h"
 #include "lte/cli/numbers.h"
 #include "lte/scene/load_camera.h"
@@ -58,13 +57,7 @@ void add_picture_options(CLI::App& app, RenderRequest* r) {
 }
 
 void add_light_options(CLI::App& app, RenderRequest* r) {
-  app.add_option("--integrator", r->integrator,
-                 "How indirect light is computed. gather: rays from each pixel read path-traced "
-                 "light in an irradiance cache on surfaces, the least error for its time; "
-                 "network: the same rays read light that the network knows there; path: path "
-                 "tracing alone, without bias")
-      ->check(CLI::IsMember({"gather", "network", "path"}))
-      ->capture_default_str();
+  add_light_flags(app, "each pixel", r);
   CLI::Option* const quality =
       app.add_option(
              "--quality", r->quality,
@@ -82,9 +75,6 @@ void add_light_options(CLI::App& app, RenderRequest* r) {
       ->check(CLI::Range(1, 1 << 24))
       ->excludes(quality)
       ->excludes(time);
-  app.add_option("--seed", r->seed, "Seed of all samples")->capture_default_str();
-  app.add_option("--checkpoint", r->checkpoint,
-                 "Model, with --integrator network; by default lte-hybrid");
   add_embedding_flags(app, &r->embedding);
   app.get_option("--edit")->excludes("--embedding")->excludes("--save-embedding");
 }
@@ -95,14 +85,11 @@ void add_keys(RenderRequest* r) {
   keys.add("denoise", &s.denoise,
            "take noise out, by Open Image Denoise where it is found ($LTE_OIDN), else by a filter "
            "of lte's");
-  keys.add("depth", &s.max_depth, 1, 1000,
-           "surface hits of light's path after the first one that the camera sees");
+  add_light_keys("the first one that the camera sees", r);
   keys.add("gather_rays", &s.gather_rays, 1, 1 << 14,
            "of gather and network: rays a pixel, a pass");
   keys.add("light_samples", &s.light_samples, 1, 1 << 14,
            "of gather and network: samples of direct light a pixel, a pass");
-  keys.add("records", &r->records, 2, int64_t{1} << 22,
-           "of gather and network: places that the irradiance cache knows");
   keys.add("correct", &s.correct,
            "of gather and network: paths correct what they say, from the ninth pass on");
   keys.add("check", &r->check,
@@ -110,46 +97,17 @@ void add_keys(RenderRequest* r) {
            "warn where it is off by more than they explain");
   add_exposure_keys(&keys, &r->exposure);
   keys.add("fps", &r->fps, 1, 240, "of a video: pictures a second");
-  add_scene_keys(&keys, r);
-  add_embedding_keys(&keys, &r->embedding);
-  add_network_keys(&keys, &r->tool);
-}
-
-/// The first of these flags that stands on the command line; null if none does.
-const char* first_given(const CLI::App& app, std::initializer_list<const char*> flags) {
-  for (const char* name : flags) {
-    if (app.count(name) > 0) return name;
-  }
-  return nullptr;
-}
-
-const char* first_set(const SetKeys& keys, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    if (keys.is_given(name)) return name;
-  }
-  return nullptr;
 }
 
 /// Whatever is given has an effect.
-void check_used(const RenderRequest& r, Method method, Output output) {
-  const CLI::App& app = *r.flags;
-  const bool lit = !render::is_geometry(output);
-  if (!lit) {
-    const char* const flag = first_given(app, {"--integrator", "--quality", "--time", "--spp"});
+void check_used(const RenderRequest& r, Output output) {
+  if (render::is_geometry(output)) {
+    const char* const flag =
+        first_given(*r.flags, {"--integrator", "--quality", "--time", "--spp"});
     LTE_CHECK(flag == nullptr, flag, " goes with a picture of light, not --output ", r.output);
   }
-  const char* const network = first_given(app, {"--checkpoint", "--embedding", "--save-embedding"});
-  LTE_CHECK(network == nullptr || method == Method::Network, network,
-            " goes with --integrator network: ", r.integrator, " needs no model");
-  const char* const network_key =
-      first_set(r.keys, {"scene_points", "prune", "rescale", "device", "precision"});
-  LTE_CHECK(network_key == nullptr || method == Method::Network, "--set ", network_key,
-            " goes with --integrator network: ", r.integrator, " needs no model");
-  const char* const gather_key =
-      first_set(r.keys, {"gather_rays", "light_samples", "records", "correct", "check"});
-  LTE_CHECK(gather_key == nullptr || method != Method::Path, "--set ", gather_key,
-            " goes with --integrator gather or network, not path");
-  LTE_CHECK(r.spp == 0 || method == Method::Path,
+  check_light_used(r, {"gather_rays", "light_samples", "records", "correct", "check"});
+  LTE_CHECK(r.spp == 0 || r.by_paths(),
             "--spp goes with --integrator path: gather and network take --quality or --time");
   LTE_CHECK(!r.keys.is_given("fps") || is_video_path(r.out),
             "--set fps goes with a video: --out turn.mp4, .webm or .gif");
@@ -167,7 +125,8 @@ RenderSettings settings_of(const RenderRequest& request) {
   RenderSettings settings = request.settings;
   settings.output = parse_enum<Output>("--output", request.output);
   settings.method = parse_enum<Method>("--integrator", request.integrator);
-  check_used(request, settings.method, settings.output);
+  settings.max_depth = request.max_depth;
+  check_used(request, settings.output);
   std::tie(settings.width, settings.height) = parse_picture_size(request.size);
   settings.seed = request.seed;
   settings.layers = keeps_layers(request.out);
@@ -178,19 +137,16 @@ RenderSettings settings_of(const RenderRequest& request) {
 }
 
 void add_render_options(CLI::App& app, RenderRequest* r) {
-  r->flags = &app;
   add_picture_options(app, r);
   add_light_options(app, r);
   add_keys(r);
-  r->keys.add_to(&app);
+  add_tool_flags(app, r);
   app.parse_complete_callback([r] {
     r->keys.read();
     if (!r->out.empty() || r->validate_only) return;
     r->out = default_picture(*r);
     r->named_by_scene = true;
   });
-  add_scene_options(app, r);
-  add_plain_tool_options(app, &r->tool);
   group_render_flags(&app);
 }
 

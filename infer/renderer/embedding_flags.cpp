@@ -66,8 +66,7 @@ double cull_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
 void provide_embedding(const EmbeddingFlags& flags, const runtime::Network& network,
                        const EmbedSettings& settings, Renderer* renderer) {
   if (!flags.has_file()) return renderer->embed(network, settings);
-  const runtime::EmbeddingKey key =
-      embed::embedding_key(renderer->bvh(), network, settings);
+  const runtime::EmbeddingKey key = embed::embedding_key(renderer->bvh(), network, settings);
   const Timer timer;
   if (!flags.load.empty()) {
     renderer->set_embedding(runtime::load_embedding(flags.load, network, key, settings.memory));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lte/base/parallel.h"
+#include "lte/render/way_regression.h"
 
 namespace lte::bake {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 constexpr std::array<int, 5> kRounds = {24, 10, 4, 1, 0};
 /// Of the texels over which weights are estimated.
 constexpr int kWeightRounds = 6;
-/// Of the mean: what is darker counts like that where errors are compared.
-constexpr float kDark = 0.1f;
 constexpr int64_t kTexelGrain = 8192;
 
 void for_texels(size_t count, const std::function<void(size_t)>& use) {
@@ -24,36 +23,24 @@ void for_texels(size_t count, const std::function<void(size_t)>& use) {
   });
 }
 
-float mean_luminance(const Halves& halves) {
-  double sum = 0;
-  for (const auto& half : halves)
-    for (const Rgb& value : half) sum += double{luminance(value)};
-  return static_cast<float>(sum / std::max<double>(1, 2 * static_cast<double>(halves[0].size())));
-}
-
 /// Draws `estimate` towards `narrow`, of which each half comes from the same half of `samples`.
 void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& samples,
                   Halves* estimate) {
   const size_t count = samples[0].size();
-  const float dark = kDark * mean_luminance(*estimate) + 1e-30f;
-  std::vector<Rgb> sums(count);  // along, square, nothing
+  std::vector<float> light(count);
+  for (size_t i = 0; i < count; ++i)
+    light[i] = luminance(((*estimate)[0][i] + (*estimate)[1][i]) * 0.5f);
+  const std::vector<float> weight = render::error_weights(std::move(light));
+  render::WayRegression regression(count);
   for_texels(count, [&](size_t i) {
-    const float level = 0.5f * (luminance((*estimate)[0][i]) + luminance((*estimate)[1][i])) + dark;
-    for (size_t h = 0; h < 2; ++h) {
-      const Rgb& from = (*estimate)[h][i];
-      const Rgb way = (narrow[h][i] - from) / level;
-      sums[i].x += dot(way, (samples[1 - h][i] - from) / level);
-      sums[i].y += dot(way, way);
-    }
+    for (size_t h = 0; h < 2; ++h)
+      regression.add(i, weight[i], (*estimate)[h][i], narrow[h][i], samples[1 - h][i]);
   });
-  sums = graph.spread(std::move(sums), kWeightRounds);
+  regression.spread(
+      [&](std::vector<float> sum) { return graph.spread(std::move(sum), kWeightRounds); });
   for_texels(count, [&](size_t i) {
-    if (!(sums[i].y > 0)) return;
-    const float share = std::clamp(sums[i].x / sums[i].y, 0.0f, 1.0f);
-    for (size_t h = 0; h < 2; ++h) {
-      Rgb& value = (*estimate)[h][i];
-      value = max(Rgb{}, value + share * (narrow[h][i] - value));
-    }
+    for (size_t h = 0; h < 2; ++h)
+      (*estimate)[h][i] = regression.draw(i, (*estimate)[h][i], narrow[h][i]);
   });
 }
 

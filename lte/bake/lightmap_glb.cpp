@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lte/bake/lightmap.h"
+#include "lte/bake/pixel_triangle.h"
 #include "lte/base/check.h"
 #include "lte/base/math.h"
 #include "lte/image/tonemap.h"
@@ -44,44 +45,22 @@ struct Appearance {
 };
 
 void add_triangle(const Lightmap& map, int instance, uint32_t triangle, Appearance* out) {
-  const scene::Mesh& mesh = map.scene.meshes[static_cast<size_t>(instance)];
-  const auto& corner = mesh.triangles[triangle];
-  std::array<Vec2, 3> p;
-  for (size_t k = 0; k < 3; ++k) {
-    const Vec2& uv = mesh.uvs[1][corner[k]];
-    p[k] = {uv.x * static_cast<float>(map.width), uv.y * static_cast<float>(map.height)};
-  }
-  const Vec2 a{p[1].x - p[0].x, p[1].y - p[0].y}, b{p[2].x - p[0].x, p[2].y - p[0].y};
-  const float twice = a.x * b.y - a.y * b.x;
-  if (!(std::abs(twice) > 0)) return;
-  const auto range = [](float x, float y, float z, int size) {
-    return std::pair{
-        std::clamp(static_cast<int>(std::floor(std::min({x, y, z}) - 1)), 0, size - 1),
-        std::clamp(static_cast<int>(std::floor(std::max({x, y, z}) + 1)), 0, size - 1)};
-  };
-  const auto [x0, x1] = range(p[0].x, p[1].x, p[2].x, map.width);
-  const auto [y0, y1] = range(p[0].y, p[1].y, p[2].y, map.height);
-  for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
-      const float dx = static_cast<float>(x) + 0.5f - p[0].x;
-      const float dy = static_cast<float>(y) + 0.5f - p[0].y;
-      float u = std::clamp((dx * b.y - dy * b.x) / twice, 0.0f, 1.0f);
-      float v = std::clamp((a.x * dy - a.y * dx) / twice, 0.0f, 1.0f);
-      if (u + v > 1) {
-        const float sum = u + v;
-        u /= sum;
-        v /= sum;
-      }
-      const float off = std::hypot(u * a.x + v * b.x - dx, u * a.y + v * b.y - dy);
-      const size_t pixel =
-          static_cast<size_t>(y) * static_cast<size_t>(map.width) + static_cast<size_t>(x);
-      const uint8_t rank = off < 1e-3f ? 2 : 1;
-      if (off > 1.5f || out->known[pixel] >= rank) continue;
-      out->known[pixel] = rank;
-      scene::evaluate_appearance(map.scene, instance, triangle, u, v, 0, &out->albedo[pixel],
-                                 &out->emission[pixel]);
-    }
-  }
+  const PixelTriangle shape(map.scene.meshes[static_cast<size_t>(instance)], triangle, map.width,
+                            map.height);
+  if (!(std::abs(shape.twice_area()) > 0)) return;
+  shape.for_pixels(1, [&](int x, int y) {
+    const Vec2 center{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f};
+    const Vec2 uv = shape.barycentric(center);
+    const Vec2 at = shape.at(uv);
+    const float off = std::hypot(at.x - center.x, at.y - center.y);
+    const size_t pixel =
+        static_cast<size_t>(y) * static_cast<size_t>(map.width) + static_cast<size_t>(x);
+    const uint8_t rank = off < 1e-3f ? 2 : 1;
+    if (off > 1.5f || out->known[pixel] >= rank) return;
+    out->known[pixel] = rank;
+    scene::evaluate_appearance(map.scene, instance, triangle, uv.x, uv.y, 0, &out->albedo[pixel],
+                               &out->emission[pixel]);
+  });
 }
 
 Appearance appearance_of(const Lightmap& map) {

@@ -8,7 +8,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/blocks/path_sampler.h"
-#include "lte/pathtrace/transport/transport.h"
+#include "lte/pathtrace/transport/transport_impl.h"
 #include "lte/scene/surface.h"
 
 namespace lte::bake {
@@ -67,6 +67,17 @@ Rgb to_rgb(const std::array<double, 3>& sum, double scale) {
 
 /// Traces the probes of a thread.
 class ProbeTracer : public LightSink {
+  /// Has the tracer see what first rays meet.
+  struct FirstHits {
+    ProbeTracer* tracer = nullptr;
+    void nearest(int /*depth*/, const PathBlock&) {}
+    void shadow(const ShadowBlock&) {}
+    void met(int depth, const PathBlock& paths, const HitBlock& hits) const {
+      for (int lane = 0; depth == 1 && lane < paths.size; ++lane)
+        tracer->add_met(lane, paths.direction.at(lane), hits);
+    }
+  };
+
  public:
   ProbeTracer(const Bvh& bvh, const Lights& lights, const ProbeOptions& options)
       : bvh_(bvh),
@@ -75,7 +86,8 @@ class ProbeTracer : public LightSink {
         frame_(frame_origin(bvh.bounds())),
         diagonal_(length(bvh.bounds().extent())),
         sampler_(Sampling::Sobol, options.rays),
-        transport_(bvh, lights, options.max_depth, kRouletteDepth, *this) {}
+        // Light of depth 2 may be unwanted; the last ray's hit would not be seen.
+        transport_(bvh, lights, std::max(2, options.max_depth), kRouletteDepth, *this, {this}) {}
 
   Probe trace(const Vec3& position, uint64_t number) {
     sums_ = {};
@@ -91,7 +103,8 @@ class ProbeTracer : public LightSink {
   }
 
   void add(int depth, std::span<const Contribution> contributions) override {
-    if (depth == 1) return;  // see add_met() and add_light_sample()
+    // Of the first hit: add_met() and add_light_sample().
+    if (depth == 1 || depth > options_.max_depth) return;
     for (const Contribution& c : contributions)
       sums_.add(directions_[static_cast<size_t>(c.path)], c.value * (1 / kSphereDensity));
   }
@@ -108,40 +121,54 @@ class ProbeTracer : public LightSink {
       directions_[static_cast<size_t>(i)] = direction;
       transport_.start().origin.put(i, position_ - frame_);
       transport_.start().direction.put(i, direction);
-      add_met(direction);
       if (options_.direct && !lights_.empty()) add_light_sample(i);
     }
-    if (options_.max_depth > 1 && !lights_.empty()) transport_.trace_from_camera(sampler_);
+    if (lights_.empty()) {
+      meet(count);
+    } else {
+      transport_.trace_from_camera(sampler_);
+    }
     sampler_.clear();
   }
 
+  /// What directions meet where there is no light to trace.
+  void meet(int count) {
+    const Bvh::Handles& handles = bvh_.handles();
+    PathBlock& paths = transport_.start();
+    intersect(handles.top, handles.packet_width, paths.origin, paths.direction, count, &hits_);
+    for (int lane = 0; lane < count; ++lane) add_met(lane, paths.direction.at(lane), hits_);
+  }
+
   /// What a direction meets: its distance, its side, and its own light.
-  void add_met(const Vec3& direction) {
-    const Hit hit = bvh_.intersect({position_, direction});
-    sums_.add_distance(direction, hit.valid() ? std::min(hit.t, diagonal_) : diagonal_);
+  void add_met(int lane, const Vec3& direction, const HitBlock& hits) {
+    const int hit = hits.instance[lane];
+    const float distance = hits.t[lane];
+    sums_.add_distance(direction, hit == scene::kNone ? diagonal_ : std::min(distance, diagonal_));
     float light_density = 0;
     Rgb radiance;
-    if (!hit.valid()) {
+    if (hit == scene::kNone) {
       if (!lights_.has_environment()) return;
       const EnvironmentSample sky = lights_.environment().evaluate({}, direction);
       light_density = lights_.environment_pdf(sky);
       radiance = sky.radiance;
     } else {
       const scene::Scene& scene = bvh_.scene();
-      const auto& instance = scene.instances[static_cast<size_t>(hit.instance)];
+      const auto& instance = scene.instances[static_cast<size_t>(hit)];
       const auto& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
       const bool two_sided = scene.materials[static_cast<size_t>(mesh.material)].double_sided;
-      const float cosine = -dot(hit.normal, direction);
+      const Vec3 normal =
+          frame_normal(bvh_.handles().instances[static_cast<size_t>(hit)], hits.normal.at(lane));
+      const float cosine = -dot(normal, direction);
       if (cosine <= 0 && !two_sided) {
         ++sums_.back_faces;
         return;
       }
       if (instance.light_group == scene::kNone) return;
       Rgb albedo;
-      scene::evaluate_appearance(scene, hit.instance, hit.triangle, hit.u, hit.v, 0, &albedo,
-                                 &radiance);
-      light_density = lights_.pdf(position_ - frame_, {}, hit.instance, hit.triangle, hit.t * hit.t,
-                                  std::fabs(cosine));
+      scene::evaluate_appearance(scene, hit, hits.triangle[lane], hits.u[lane], hits.v[lane], 0,
+                                 &albedo, &radiance);
+      light_density = lights_.pdf(position_ - frame_, {}, hit, hits.triangle[lane],
+                                  distance * distance, std::fabs(cosine));
     }
     if (options_.direct) sums_.add(direction, radiance * (1 / (kSphereDensity + light_density)));
   }
@@ -178,9 +205,10 @@ class ProbeTracer : public LightSink {
   const Vec3 frame_;
   const float diagonal_;
   PathSampler sampler_;
-  Transport transport_;
+  BasicTransport<FirstHits> transport_;
   Sums sums_;
   Vec3 position_;
+  HitBlock hits_;
   std::array<Vec3, kBlock> directions_;
   DirectionNumbers numbers_;
   LightNumbers light_numbers_;

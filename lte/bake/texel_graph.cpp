@@ -142,12 +142,13 @@ TexelGraph::TexelGraph(const pathtrace::Bvh& bvh, const GraphPlaces& places) {
   });
 }
 
-std::vector<Rgb> TexelGraph::spread(std::vector<Rgb> values, int times) const {
-  std::vector<Rgb> out(times > 0 ? values.size() : 0);
+template <typename Value>
+std::vector<Value> TexelGraph::spread(std::vector<Value> values, int times) const {
+  std::vector<Value> out(times > 0 ? values.size() : 0);
   for (int k = 0; k < times; ++k) {
     parallel_for(static_cast<int64_t>(size()), kGrain, [&](int64_t begin, int64_t end) {
       for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-        Rgb sum = values[i];
+        Value sum = values[i];
         for (uint32_t e = first_[i]; e < first_[i + 1]; ++e) sum += values[other_[e]];
         out[i] = sum / static_cast<float>(first_[i + 1] - first_[i] + 1);
       }
@@ -156,5 +157,8 @@ std::vector<Rgb> TexelGraph::spread(std::vector<Rgb> values, int times) const {
   }
   return values;
 }
+
+template std::vector<float> TexelGraph::spread(std::vector<float>, int) const;
+template std::vector<Rgb> TexelGraph::spread(std::vector<Rgb>, int) const;
 
 }  // namespace lte::bake

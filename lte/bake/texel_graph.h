@@ -29,7 +29,9 @@ class TexelGraph {
   }
   /// Means over each place and its neighbours, `times` over: a smooth kernel of as many texels of
   /// variance, which walls, corners and the ends of surfaces stop.
-  std::vector<Rgb> spread(std::vector<Rgb> values, int times) const;
+  /// @tparam Value  float or Rgb
+  template <typename Value>
+  std::vector<Value> spread(std::vector<Value> values, int times) const;
 
  private:
   std::vector<uint32_t> first_, other_;

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "lte/bake/pixel_triangle.h"
 #include "lte/base/check.h"
-#include "lte/base/parallel.h"
-#include "lte/scene/surface.h"
 #include "lte/scene/triangle.h"
 
 namespace lte::bake {
@@ -48,17 +47,6 @@ Polygon cut(const Polygon& from, bool vertical, float sign, float bound) {
   return out;
 }
 
-/// A triangle in pixels of the atlas.
-std::array<Vec2, 3> in_pixels(const Atlas& atlas, size_t instance, size_t triangle) {
-  const scene::Mesh& mesh = atlas.scene.meshes[instance];
-  std::array<Vec2, 3> out;
-  for (size_t k = 0; k < 3; ++k) {
-    const Vec2& uv = mesh.uvs[1][mesh.triangles[triangle][k]];
-    out[k] = {uv.x * static_cast<float>(atlas.width), uv.y * static_cast<float>(atlas.height)};
-  }
-  return out;
-}
-
 /// The part of a triangle inside a pixel, relative to the pixel's corner.
 Polygon part_in(const std::array<Vec2, 3>& uv, int x, int y) {
   Polygon polygon;
@@ -77,31 +65,42 @@ struct PixelFragment {
 };
 
 void rasterize(const Atlas& atlas, size_t instance, size_t triangle,
-               std::vector<PixelFragment>* out) {
-  const std::array<Vec2, 3> uv = in_pixels(atlas, instance, triangle);
-  const auto range = [](float a, float b, float c, int size) {
-    return std::pair{std::clamp(static_cast<int>(std::floor(std::min({a, b, c}))), 0, size - 1),
-                     std::clamp(static_cast<int>(std::floor(std::max({a, b, c}))), 0, size - 1)};
-  };
-  const auto [x0, x1] = range(uv[0].x, uv[1].x, uv[2].x, atlas.width);
-  const auto [y0, y1] = range(uv[0].y, uv[1].y, uv[2].y, atlas.height);
-  for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
-      const Polygon part = part_in(uv, x, y);
-      const float area = part.size < 3 ? 0 : 0.5f * part.twice_area();
-      if (area < kLeastArea) continue;
-      out->push_back(
-          {static_cast<uint32_t>(y) * static_cast<uint32_t>(atlas.width) + static_cast<uint32_t>(x),
-           atlas.chart[instance][triangle],
-           {static_cast<int32_t>(instance), static_cast<uint32_t>(triangle), area}});
+               std::vector<PixelFragment>* out, std::vector<Vec2>* corners) {
+  const PixelTriangle shape(atlas.scene.meshes[instance], triangle, atlas.width, atlas.height);
+  shape.for_pixels(0, [&](int x, int y) {
+    const Polygon part = part_in(shape.corners(), x, y);
+    const float area = part.size < 3 ? 0 : 0.5f * part.twice_area();
+    if (area < kLeastArea) return;
+    out->push_back(
+        {static_cast<uint32_t>(y) * static_cast<uint32_t>(atlas.width) + static_cast<uint32_t>(x),
+         atlas.chart[instance][triangle],
+         {static_cast<int32_t>(instance), static_cast<uint32_t>(triangle), area,
+          static_cast<uint32_t>(corners->size()), static_cast<uint32_t>(part.size)}});
+    for (size_t k = 0; k < part.size; ++k) {
+      const Vec2& p = part.corner[k];
+      corners->push_back(
+          shape.barycentric({p.x + static_cast<float>(x), p.y + static_cast<float>(y)}));
     }
-  }
+  });
 }
 
 /// A number by which pixels stand in blocks of 8 x 8.
 uint64_t block_order(uint32_t pixel, uint32_t width) {
   const uint32_t x = pixel % width, y = pixel / width;
   return ((uint64_t{y / 8} * ((width + 7) / 8) + x / 8) << 6) | ((y % 8) * 8 + x % 8);
+}
+
+/// A place of a fragment's triangle.
+TexelPlace place_on(const Atlas& atlas, const Fragment& f, const Vec2& uv) {
+  const auto i = static_cast<size_t>(f.instance);
+  const Affine& to_world = atlas.scene.instances[i].to_world;
+  const scene::WorldTriangle t = scene::world_triangle(atlas.scene.meshes[i], to_world, f.triangle);
+  const scene::AreaVector across = scene::area_vector(t);
+  const double area = std::max(across.norm(), 1e-300);
+  const double norm = to_world.determinant() < 0 ? -area : area;
+  return {t.p0 * (1 - uv.x - uv.y) + t.p1 * uv.x + t.p2 * uv.y,
+          {static_cast<float>(across.x / norm), static_cast<float>(across.y / norm),
+           static_cast<float>(across.z / norm)}};
 }
 
 /// The fragments of one pixel: where charts meet in it, those of the chart with the most area.
@@ -123,31 +122,22 @@ void add_texel(const Atlas& atlas, std::span<const PixelFragment> all, Texels* o
     if (each.chart != chart) continue;
     const Fragment& f = each.fragment;
     out->fragments.push_back(f);
-    const auto i = static_cast<size_t>(f.instance);
-    const std::array<Vec2, 3> uv = in_pixels(atlas, i, f.triangle);
-    const int x = static_cast<int>(each.pixel % static_cast<uint32_t>(atlas.width));
-    const int y = static_cast<int>(each.pixel / static_cast<uint32_t>(atlas.width));
-    const Polygon part = part_in(uv, x, y);
+    const std::span<const Vec2> part = out->part_of(f);
     Vec2 center;
-    for (size_t k = 0; k < part.size; ++k) {
-      center.x += part.corner[k].x / static_cast<float>(part.size);
-      center.y += part.corner[k].y / static_cast<float>(part.size);
+    for (const Vec2& corner : part) {
+      center.x += corner.x / static_cast<float>(part.size());
+      center.y += corner.y / static_cast<float>(part.size());
     }
-    const float ax = uv[1].x - uv[0].x, ay = uv[1].y - uv[0].y, bx = uv[2].x - uv[0].x,
-                by = uv[2].y - uv[0].y;
-    const float twice = ax * by - ay * bx;
-    const float px = center.x + static_cast<float>(x) - uv[0].x,
-                py = center.y + static_cast<float>(y) - uv[0].y;
-    const scene::Surface surface = scene::evaluate_surface(
-        atlas.scene, f.instance, f.triangle, std::clamp((px * by - py * bx) / twice, 0.0f, 1.0f),
-        std::clamp((ax * py - ay * px) / twice, 0.0f, 1.0f), 0);
-    position += surface.position * f.area;
-    normal += surface.normal * f.area;
-    const scene::Instance& instance = atlas.scene.instances[i];
+    const TexelPlace place = place_on(atlas, f, center);
+    position += place.position * f.area;
+    normal += place.normal * f.area;
+    const auto i = static_cast<size_t>(f.instance);
+    const scene::Mesh& mesh = atlas.scene.meshes[i];
+    const PixelTriangle shape(mesh, f.triangle, atlas.width, atlas.height);
     world +=
         double{f.area} *
-        scene::area(scene::world_triangle(atlas.scene.meshes[i], instance.to_world, f.triangle)) /
-        (0.5 * std::abs(double{twice}));
+        scene::area(scene::world_triangle(mesh, atlas.scene.instances[i].to_world, f.triangle)) /
+        (0.5 * std::abs(double{shape.twice_area()}));
     texels += double{f.area};
   }
   out->pixel.push_back(all.front().pixel);
@@ -162,16 +152,16 @@ void add_texel(const Atlas& atlas, std::span<const PixelFragment> all, Texels* o
 
 Texels find_texels(const Atlas& atlas) {
   std::vector<PixelFragment> all;
+  Texels out;
   for (size_t i = 0; i < atlas.scene.instances.size(); ++i) {
     for (size_t t = 0; t < atlas.scene.meshes[i].triangles.size(); ++t)
-      if (atlas.chart[i][t] != scene::kNone) rasterize(atlas, i, t, &all);
+      if (atlas.chart[i][t] != scene::kNone) rasterize(atlas, i, t, &all, &out.corners);
   }
   LTE_CHECK(!all.empty(), "no triangle touches a texel of the atlas");
   const auto width = static_cast<uint32_t>(atlas.width);
   std::stable_sort(all.begin(), all.end(), [&](const PixelFragment& a, const PixelFragment& b) {
     return block_order(a.pixel, width) < block_order(b.pixel, width);
   });
-  Texels out;
   out.first.push_back(0);
   for (size_t begin = 0; begin < all.size();) {
     size_t end = begin + 1;
@@ -193,36 +183,22 @@ TexelPlace place_in(const Atlas& atlas, const Texels& texels, size_t texel,
   size_t chosen = 0;
   while (chosen + 1 < parts.size() && left >= parts[chosen].area) left -= parts[chosen++].area;
   const Fragment& f = parts[chosen];
-  const std::array<Vec2, 3> uv = in_pixels(atlas, static_cast<size_t>(f.instance), f.triangle);
-  const int x = static_cast<int>(texels.pixel[texel] % static_cast<uint32_t>(atlas.width));
-  const int y = static_cast<int>(texels.pixel[texel] / static_cast<uint32_t>(atlas.width));
-  const Polygon part = part_in(uv, x, y);
   // A triangle of the fan around the first corner, by area, and a place in it.
+  const std::span<const Vec2> part = texels.part_of(f);
   const auto fan = [&](size_t k) {
-    const Vec2 &o = part.corner[0], &a = part.corner[k], &b = part.corner[k + 1];
+    const Vec2 &o = part[0], &a = part[k], &b = part[k + 1];
     return std::abs((a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x));
   };
-  float rest = u[1] * part.twice_area();
+  float rest = 0;
+  for (size_t k = 1; k + 1 < part.size(); ++k) rest += u[1] * fan(k);
   size_t k = 1;
-  while (k + 2 < part.size && rest >= fan(k)) rest -= fan(k++);
+  while (k + 2 < part.size() && rest >= fan(k)) rest -= fan(k++);
   const float along = fan(k) > 0 ? std::clamp(rest / fan(k), 0.0f, 1.0f) : 0.5f;
   const float root = std::sqrt(along), b1 = root * (1 - u[2]), b2 = root * u[2];
-  const Vec2 &o = part.corner[0], &a = part.corner[k], &b = part.corner[k + 1];
-  const float px = o.x + b1 * (a.x - o.x) + b2 * (b.x - o.x) + static_cast<float>(x) - uv[0].x;
-  const float py = o.y + b1 * (a.y - o.y) + b2 * (b.y - o.y) + static_cast<float>(y) - uv[0].y;
-  const float ax = uv[1].x - uv[0].x, ay = uv[1].y - uv[0].y, bx = uv[2].x - uv[0].x,
-              by = uv[2].y - uv[0].y;
-  const float twice = ax * by - ay * bx;
-  float s = std::clamp((px * by - py * bx) / twice, 0.0f, 1.0f);
-  float t = std::clamp((ax * py - ay * px) / twice, 0.0f, 1.0f);
-  if (s + t > 1) {
-    const float scale = 1 / (s + t);
-    s *= scale;
-    t *= scale;
-  }
-  const scene::Surface surface =
-      scene::evaluate_surface(atlas.scene, f.instance, f.triangle, s, t, 0);
-  return {surface.position, surface.normal};
+  const Vec2 &o = part[0], &a = part[k], &b = part[k + 1];
+  return place_on(
+      atlas, f,
+      {o.x + b1 * (a.x - o.x) + b2 * (b.x - o.x), o.y + b1 * (a.y - o.y) + b2 * (b.y - o.y)});
 }
 
 }  // namespace lte::bake

@@ -19,7 +19,7 @@
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include "lte/base/file.h"
-#include "lte/base/half.h"
+#include "lte/image/finite_half.h"
 
 namespace lte::image {
 namespace {
@@ -132,8 +132,7 @@ void add_slices(const std::vector<std::string>& names, const Imath::Box2i& windo
 std::vector<Half> to_halves(const Image& image) {
   std::vector<Half> out;
   out.reserve(image.pixels.size());
-  for (const float value : image.pixels)
-    out.push_back(to_half(std::clamp(value, -kMaxHalf, kMaxHalf)));
+  for (const float value : image.pixels) out.push_back(to_finite_half(value));
   return out;
 }
 

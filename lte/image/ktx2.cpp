@@ -8,7 +8,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "lte/base/half.h"
+#include "lte/image/finite_half.h"
 
 // Fields are little-endian and copied as they are in memory.
 static_assert(std::endian::native == std::endian::little);
@@ -118,8 +118,7 @@ void check_shape(const std::string& name, const Ktx2& texture) {
 void append_texel(const Rgb& color, Ktx2Format format, std::string* out) {
   if (format == Ktx2Format::Rgb9e5) return append_words({to_rgb9e5(color)}, out);
   std::array<Half, 4> halves;
-  for (int i = 0; i < 3; ++i)
-    halves[static_cast<size_t>(i)] = to_half(std::clamp(color[i], -kMaxHalf, kMaxHalf));
+  for (int i = 0; i < 3; ++i) halves[static_cast<size_t>(i)] = to_finite_half(color[i]);
   halves[3] = to_half(1);
   out->append(reinterpret_cast<const char*>(halves.data()), sizeof(halves));
 }

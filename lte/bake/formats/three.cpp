@@ -8,7 +8,7 @@
 #include "lte/bake/formats/engine_scene.h"
 #include "lte/bake/formats/formats.h"
 #include "lte/base/check.h"
-#include "lte/base/half.h"
+#include "lte/image/finite_half.h"
 
 namespace lte::bake {
 namespace {
@@ -46,8 +46,7 @@ std::string half_texels(const Lightmap& map) {
   for (const Layer& layer : map.layers) {
     for (size_t i = 0; i < map.pixels(); ++i) {
       std::array<Half, 4> texel;
-      for (size_t c = 0; c < 3; ++c)
-        texel[c] = to_half(std::min(layer.irradiance[3 * i + c], kMaxHalf));
+      for (size_t c = 0; c < 3; ++c) texel[c] = image::to_finite_half(layer.irradiance[3 * i + c]);
       texel[3] = to_half(1);
       out.append(reinterpret_cast<const char*>(texel.data()), sizeof(texel));
     }

@@ -47,6 +47,9 @@ class LightSink {
 /// `distance` from where the ray began, for the irradiance on this side of it. Where it knows it,
 /// the path ends there and brings that light, in light group kNone.
 ///
+/// It may see what rays have met, by a function `void met(int depth, const PathBlock&, const
+/// HitBlock&)`, before paths move on; not where they end without a look at it, at the last depth.
+///
 /// It may end paths unasked, by a function `bool wanted(int32_t path) const`, which is asked before
 /// each of their rays.
 ///

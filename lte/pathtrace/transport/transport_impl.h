@@ -104,6 +104,8 @@ void BasicTransport<Observer, Directions>::follow(PathSampler& sampler) {
     rays_traced_ += paths_.size;
     intersect(handles_.top, handles_.packet_width, paths_.origin, paths_.direction, paths_.size,
               &hits_);
+    if constexpr (requires { observer_.met(depth, paths_, hits_); })
+      observer_.met(depth, paths_, hits_);
     if (last) return collect_emission(depth);
     shade(depth);
     sample_lights(depth, sampler);
