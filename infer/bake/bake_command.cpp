@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "infer/bake/bake_parts.h"
 #include "infer/bake/bake_scene.h"
-#include "infer/tool/tool_keys.h"
 #include "lte/bake/formats/formats.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
@@ -21,21 +21,15 @@ namespace lte::infer {
 namespace {
 
 void check_usage(const BakeRequest& r) {
-  const CLI::App& app = *r.flags;
-  for (const char* flag : {"--checkpoint", "--embedding", "--save-embedding"}) {
-    LTE_CHECK(app.count(flag) == 0 || r.needs_network(), flag,
-              " goes with --integrator network: ", r.integrator, " needs no model");
-  }
-  for (const char* key : {"scene_points", "prune", "rescale", "device", "precision"}) {
-    LTE_CHECK(!r.keys.is_given(key) || r.needs_network(), "--set ", key,
-              " goes with --integrator network: ", r.integrator, " needs no model");
-  }
-  LTE_CHECK(!r.keys.is_given("records") || r.integrator != "path",
-            "--set records goes with --integrator gather or network, not path");
+  check_light_used(r, {"records"});
   LTE_CHECK(!r.by_light || !r.needs_network(),
             "--by-light goes with --integrator gather or path, not network");
   LTE_CHECK(r.three.empty() == (r.format != "three"),
             "--format three and --three FILE, three.js as an ES module, go together");
+  const char* const whole = first_given(*r.flags, {"--resume", "--shard"});
+  LTE_CHECK(whole == nullptr || (r.time.empty() && r.error <= 0), whole,
+            " goes with --quality: how far --time and --error get is chance");
+  if (!r.shard.empty()) parse_shard(r.shard);
   LTE_CHECK(r.validate_only || !r.out.empty(), "--out: name the folder to write");
 }
 
@@ -86,12 +80,7 @@ void add_light_options(CLI::App& app, BakeRequest* r) {
       ->capture_default_str();
   app.add_flag("--by-light", r->by_light,
                "A layer a light group: their sum is all light, so a lamp dims without a bake");
-  app.add_option("--integrator", r->integrator,
-                 "How light is computed. gather: rays from texels read path-traced light in an "
-                 "irradiance cache; network: they read light that the network knows there; path: "
-                 "path tracing alone, without bias")
-      ->check(CLI::IsMember({"gather", "network", "path"}))
-      ->capture_default_str();
+  add_light_flags(app, "each texel", r);
   CLI::Option* const quality =
       app.add_option("--quality", r->quality,
                      "How long it takes: draft, preview or final (with paths that correct "
@@ -104,10 +93,6 @@ void add_light_options(CLI::App& app, BakeRequest* r) {
   app.add_option("--error", r->error, "Passes until noise is at such a share of the light, as 0.05")
       ->check(positive_number())
       ->excludes(quality);
-  app.add_option("--checkpoint", r->checkpoint,
-                 "Model, with --integrator network; by default lte-hybrid");
-  add_embedding_flags(app, &r->embedding);
-  app.add_option("--seed", r->seed, "Seed of all samples")->capture_default_str();
 }
 
 }  // namespace
@@ -124,9 +109,6 @@ void add_bake_options(CLI::App& app, BakeRequest* r) {
   app.add_option("--size", r->atlas.size, "Edge of the picture instead")
       ->check(CLI::Range(16, bake::kMaxAtlas))
       ->excludes(density);
-  app.add_flag("--keep-uvs", r->atlas.keep_uvs,
-               "Take TEXCOORD_1 as it is, or fail; without it, where it overlaps or is missing, "
-               "charts are made");
   add_light_options(app, r);
   app.add_option("--format", r->format,
                  "What is written. gltf: EXR, JSON, a GLB with MOZ_lightmap and an unlit GLB")
@@ -135,32 +117,30 @@ void add_bake_options(CLI::App& app, BakeRequest* r) {
   app.add_option("--three", r->three, "With --format three: three.js as an ES module")
       ->check(CLI::ExistingFile);
   app.add_option("--probes", r->probes, "Probes of a grid, too: auto or NXxNYxNZ");
-  r->flags = &app;
-  r->keys.add("depth", &r->max_depth, 1, 1000, "surface hits of light's path after the texel");
-  r->keys.add("records", &r->records, 2, int64_t{1} << 22,
-              "of gather and network: places that the irradiance cache knows");
-  add_scene_keys(&r->keys, r);
-  add_embedding_keys(&r->keys, &r->embedding);
-  add_network_keys(&r->keys, &r->tool);
-  r->keys.add_to(&app);
-  app.parse_complete_callback([r] { r->keys.read(); });
+  app.add_flag("--resume", r->resume,
+               "Go on with a bake that was stopped, or join shards: the same bytes as of one run");
+  app.add_option("--shard", r->shard,
+                 "Bake one of N shards, for processes that share the work: leaves its part in "
+                 "--out, where --resume joins them")
+      ->type_name("I/N");
+  add_light_keys("the texel", r);
+  r->keys.add("keep_every", &r->keep_every, 0, 1e9,
+              "seconds between two times at which what is sampled is kept for --resume");
+  r->keys.add("keep_uvs", &r->atlas.keep_uvs,
+              "take TEXCOORD_1 as it is, or fail; off: where it overlaps or is missing, charts are "
+              "made");
   app.add_flag("--validate-only", r->validate_only, "Check scene, atlas and flags, and stop");
-  add_scene_options(app, r);
-  add_plain_tool_options(app, &r->tool);
+  add_tool_flags(app, r);
 }
 
 void run_bake(const BakeRequest& request) {
   check_usage(request);
   CommandFiles files;
-  claim_scene(request, &files);
-  claim_embedding(request.embedding, &files);
-  files.reads("--checkpoint", request.checkpoint);
+  claim_light_files(request, &files);
   files.reads("--three", request.three);
-  files.writes_common(request.tool.common);
   files.check();
   apply_tool_options(request.tool);
   check_writable(request.tool.common.json);
-  check_writable(request.embedding.save);
   if (!request.validate_only) check_folder(request.out);
   const scene::Scene scene = load_source(request);
   describe(scene, request.scene);
@@ -170,6 +150,7 @@ void run_bake(const BakeRequest& request) {
   const std::optional<BakedScene> baked = bake_scene(request, &renderer);
   if (!baked) return;
   write_baked(*baked, request.format, request.three, request.out);
+  BakeParts(request.out, {}).remove(baked->shards);
   say(request, baked->map, baked->seam_p99);
 }
 

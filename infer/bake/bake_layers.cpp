@@ -1,10 +1,14 @@
 #include "infer/bake/bake_layers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "lte/bake/light_group.h"
+#include "lte/base/file.h"
+#include "lte/base/log.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/cli/numbers.h"
@@ -29,7 +33,7 @@ bake::LightOptions light_options(const BakeRequest& request) {
   out.passes = quality == Quality::Final ? 4 : 2;
   out.path_passes = quality == Quality::Draft ? 0 : quality == Quality::Preview ? 8 : 32;
   if (!request.time.empty() || request.error > 0) {
-    out.passes = request.integrator == "path" ? kManyPasses : 2;
+    out.passes = request.by_paths() ? kManyPasses : 2;
     out.path_passes = kManyPasses;
     out.error = request.error;
   }
@@ -39,10 +43,8 @@ bake::LightOptions light_options(const BakeRequest& request) {
 std::unique_ptr<render::Integrator> integrator_of(const BakeRequest& request,
                                                   const render::TracedScene& scene,
                                                   render::IrradianceSource source) {
-  if (request.integrator == "path") return render::make_path(scene, request.max_depth);
-  render::CacheSettings cache;
-  cache.records = request.records;
-  cache.max_depth = request.max_depth;
+  if (request.by_paths()) return render::make_path(scene, request.max_depth);
+  render::CacheSettings cache = cache_settings(request);
   cache.seed = hash_combine(request.seed, kCache);
   return render::make_gather(scene, cache, std::move(source));
 }
@@ -57,56 +59,127 @@ struct ShownProgress {
   }
 };
 
+/// Bakes layers, or a shard of each.
+class LayerBaker {
+ public:
+  LayerBaker(const BakeRequest& request, const bake::Layout& layout, const BakeParts* parts)
+      : request_(request), layout_(layout), parts_(parts) {
+    if (!request.shard.empty()) {
+      shards_ = {parse_shard(request.shard)};
+    } else {
+      const int count = request.resume ? std::max(1, parts->shards()) : 1;
+      for (int k = 0; k < count; ++k) shards_.push_back({k, count});
+    }
+    keeps_ = parts != nullptr && request.time.empty() && request.error <= 0;
+  }
+
+  int shards() const { return shards_.front().count; }
+
+  /// The light of the next layer. Of one shard its part is written, and nothing comes back.
+  bake::TexelLight operator()(const render::TracedScene& scene,
+                              const render::Integrator& integrator, bake::LightOptions options) {
+    std::vector<bake::LightState> states;
+    for (const bake::Shard shard : shards_) {
+      std::optional<bake::LightState> kept;
+      if (request_.resume) {
+        kept = parts_->read(shard, layer_, layout_.texels.size(),
+                            static_cast<size_t>(layout_.atlas.charts), options.direct);
+      }
+      options.from = kept ? &*kept : nullptr;
+      options.shard = shard;
+      if (keeps_) options.keep = [&](const bake::LightState& state) { keep(shard, state); };
+      states.push_back(
+          bake::sample_texels(scene, integrator, layout_.atlas, layout_.texels, options));
+    }
+    ++layer_;
+    if (!request_.shard.empty()) {
+      write(shards_[0], layer_ - 1, states[0]);
+      return {};
+    }
+    return bake::light_of(scene.bvh, integrator.method(), layout_.texels, options,
+                          bake::joined(states));
+  }
+
+ private:
+  void write(bake::Shard shard, size_t layer, const bake::LightState& state) const {
+    make_directory(request_.out);
+    parts_->write(shard, layer, state);
+  }
+
+  /// Now and then: a bake that needs no part goes on without, too.
+  void keep(bake::Shard shard, const bake::LightState& state) {
+    if (since_.seconds() < request_.keep_every) return;
+    try {
+      write(shard, layer_, state);
+    } catch (const Error& error) {
+      if (!request_.shard.empty()) throw;
+      log_warning(error.what(), "; --resume will not find what has been sampled");
+      keeps_ = false;
+    }
+    since_.restart();
+  }
+
+  const BakeRequest& request_;
+  const bake::Layout& layout_;
+  const BakeParts* parts_;  ///< null: nothing is kept
+  std::vector<bake::Shard> shards_;
+  size_t layer_ = 0;
+  bool keeps_ = true;
+  Timer since_;
+};
+
 }  // namespace
 
 std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
                                           const runtime::Network* network,
                                           const EmbedSettings& settings, const bake::Layout& layout,
-                                          double seconds, Renderer* renderer) {
+                                          double seconds, const BakeParts* parts,
+                                          Renderer* renderer) {
   const Timer timer;
   const double time = request.time.empty() ? INFINITY : parse_time(request.time) - seconds;
   render::IrradianceSource source;
   if (network != nullptr) {
-    provide_embedding(request.embedding, *network, settings, renderer);
+    renderer->embed(*network, settings);
     source = renderer->source();
   }
   const render::TracedScene traced{renderer->bvh(), renderer->lights()};
   const auto integrator = integrator_of(request, traced, source);
   integrator->prepare();
   ShownProgress progress;
+  LayerBaker bake_layer(request, layout, parts);
   bake::LightOptions options = light_options(request);
   options.progress = [&](double share) { progress(share); };
   options.seconds = time - timer.seconds();
   const scene::Scene& scene = renderer->bvh().scene();
   std::vector<bake::BakedLayer> out;
   if (!request.by_light) {
-    out.push_back(
-        {"light", bake::light_texels(traced, *integrator, layout.atlas, layout.texels, options)});
-    return out;
+    out.push_back({"light", bake_layer(traced, *integrator, options)});
+  } else {
+    // Sides by all light, so that layers are of the same.
+    bake::LightOptions sides = options;
+    sides.passes = 2;
+    sides.path_passes = 0;
+    sides.progress = {};
+    const bake::TexelLight all =
+        bake::light_texels(traced, *integrator, layout.atlas, layout.texels, sides);
+    options.back = &all.back;
+    const auto trees = pathtrace::Bvh::with_own_meshes(scene);
+    const auto groups = static_cast<int>(scene.light_groups.size());
+    for (int group = 0; group < groups; ++group) {
+      std::vector<int> tree_of_mesh;
+      const scene::Scene one = bake::with_light_of(scene, group, &tree_of_mesh);
+      const pathtrace::Bvh bvh(one, *trees, tree_of_mesh);
+      const pathtrace::Lights lights(one);
+      const auto by = integrator_of(request, {bvh, lights}, {});
+      by->prepare();
+      options.progress = [&](double share) { progress((group + share) / groups); };
+      options.seconds = (time - timer.seconds()) / (groups - group);
+      out.push_back({scene.light_groups[static_cast<size_t>(group)],
+                     bake_layer({bvh, lights}, *by, options)});
+      out.back().light.two_sided = all.two_sided;
+    }
   }
-  // Sides by all light, so that layers are of the same.
-  bake::LightOptions sides = options;
-  sides.passes = 2;
-  sides.path_passes = 0;
-  sides.progress = {};
-  const bake::TexelLight all =
-      bake::light_texels(traced, *integrator, layout.atlas, layout.texels, sides);
-  options.back = &all.back;
-  const auto trees = pathtrace::Bvh::with_own_meshes(scene);
-  const auto groups = static_cast<int>(scene.light_groups.size());
-  for (int group = 0; group < groups; ++group) {
-    std::vector<int> tree_of_mesh;
-    const scene::Scene one = bake::with_light_of(scene, group, &tree_of_mesh);
-    const pathtrace::Bvh bvh(one, *trees, tree_of_mesh);
-    const pathtrace::Lights lights(one);
-    const auto by = integrator_of(request, {bvh, lights}, {});
-    by->prepare();
-    options.progress = [&](double share) { progress((group + share) / groups); };
-    options.seconds = (time - timer.seconds()) / (groups - group);
-    out.push_back({scene.light_groups[static_cast<size_t>(group)],
-                   bake::light_texels({bvh, lights}, *by, layout.atlas, layout.texels, options)});
-    out.back().light.two_sided = all.two_sided;
-  }
+  if (!request.shard.empty()) out.clear();
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "infer/bake/bake_command.h"
+#include "infer/bake/bake_parts.h"
 #include "infer/renderer/renderer.h"
 #include "lte/bake/bake.h"
 
@@ -12,9 +13,12 @@ namespace lte::infer {
 /// One layer of all light, or with --by-light one a light group.
 /// @param network  that fills caches; null: paths trace them
 /// @param seconds  since the work began, of which --time leaves the rest
+/// @param parts    where --resume finds what was sampled, and a --shard leaves it; null: nowhere
+/// @return  nothing of a --shard
 std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
                                           const runtime::Network* network,
                                           const EmbedSettings& settings, const bake::Layout& layout,
-                                          double seconds, Renderer* renderer);
+                                          double seconds, const BakeParts* parts,
+                                          Renderer* renderer);
 
 }  // namespace lte::infer

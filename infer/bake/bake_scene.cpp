@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "infer/bake/bake_layers.h"
+#include "infer/bake/bake_parts.h"
+#include "infer/renderer/made_with.h"
 #include "lte/bake/bake.h"
 #include "lte/bake/formats/formats.h"
 #include "lte/bake/formats/probe_files.h"
@@ -14,17 +18,17 @@
 #include "lte/base/timer.h"
 #include "lte/cli/assets.h"
 #include "lte/cli/progress.h"
-#include "lte/embed/untrained_light.h"
-#include "lte/scene/light_points.h"
 #include "lte/scene/sampler.h"
 
 namespace lte::infer {
 namespace {
 
 /// Bytes a texel beside those of its layers: fragments, places, neighbours, samples and means.
-constexpr double kTexelBytes = 560, kLayerBytes = 36;
+constexpr double kTexelBytes = 600, kLayerBytes = 36;
 /// A light map less even than that in an EXR: of pixels, how many are texels.
 constexpr double kAtlasUse = 0.7;
+/// Flags that change no sample.
+const std::set<std::string> kNoMatter = {"format", "three", "probes", "shard"};
 
 /// @throws runtime::NotEnoughMemory before any of it is taken
 void check_memory(const BakeRequest& request, const scene::Scene& scene,
@@ -42,28 +46,6 @@ void check_memory(const BakeRequest& request, const scene::Scene& scene,
       request.by_light
           ? "bake without --by-light, or with fewer texels (--texels-per-metre, --size)"
           : "take fewer texels (--texels-per-metre, --size)");
-}
-
-std::optional<runtime::Network> load_network(const BakeRequest& request, const Renderer& renderer) {
-  if (!request.needs_network()) return std::nullopt;
-  runtime::Network network(checkpoint_or_shipped(request.checkpoint),
-                           network_options(request.tool));
-  network.check_fits(max_component(scene::point_bounds(renderer.bvh().scene()).extent()),
-                     request.embedding.rescale);
-  return network;
-}
-
-/// The scene as the network reads it. Warns of light in it that the network does not know.
-EmbedSettings settings_for(const BakeRequest& request, const runtime::Network& network,
-                           const bake::Texels& texels, const Renderer& renderer) {
-  EmbedSettings settings = embed_settings(request.embedding, request.seed,
-                                          runtime::MemoryLimit(request.tool.max_memory_mb));
-  cull_lights(request.embedding, renderer.bvh(), network,
-              embed::SurfacePlaces{texels.position, texels.normal}, &settings);
-  const std::string note = embed::untrained_light_note(renderer.bvh().scene(), network.metadata(),
-                                                       settings.culled_lights);
-  if (!note.empty()) log_warning(note);
-  return settings;
 }
 
 void write_gltf(const bake::Lightmap& map, FileSet* files) {
@@ -114,11 +96,27 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
     std::printf("%s: valid scene, %zu texels\n", request.scene.c_str(), layout.texels.size());
     return std::nullopt;
   }
-  const std::optional<runtime::Network> network = load_network(request, *renderer);
+  std::optional<runtime::Network> network;
   EmbedSettings settings;
-  if (network) settings = settings_for(request, *network, layout.texels, *renderer);
-  std::vector<bake::BakedLayer> layers = bake_layers(request, network ? &*network : nullptr,
-                                                     settings, layout, timer.seconds(), renderer);
+  if (request.needs_network()) {
+    network = load_network(request, scene);
+    settings = embed_settings(request, *network,
+                              embed::SurfacePlaces{layout.texels.position, layout.texels.normal},
+                              *renderer);
+  }
+  const runtime::Network* const model = network ? &*network : nullptr;
+  std::optional<BakeParts> parts;
+  if (request.flags != nullptr)
+    parts.emplace(request.out, made_with(*request.flags, scene, model, kNoMatter));
+  BakedScene out;
+  if (request.resume && request.shard.empty()) out.shards = std::max(1, parts->shards());
+  std::vector<bake::BakedLayer> layers = bake_layers(
+      request, model, settings, layout, timer.seconds(), parts ? &*parts : nullptr, renderer);
+  if (layers.empty()) {
+    log_info(request.out, ": shard ", request.shard, " in ", timer.seconds(),
+             " s; --resume joins all of them");
+    return std::nullopt;
+  }
   bake::Provenance provenance;
   provenance.source = request.scene;
   provenance.integrator = request.integrator;
@@ -128,7 +126,6 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
   for (const bake::BakedLayer& layer : layers)
     provenance.expected_error = std::max(provenance.expected_error, layer.light.expected_error);
   provenance.paths_per_texel = layers.front().light.paths;
-  BakedScene out;
   out.map = bake::make_lightmap(renderer->bvh(), std::move(layout), std::move(layers),
                                 std::move(provenance), &out.seam_p99);
   check_lit(request, out.map);

@@ -16,10 +16,12 @@ struct BakedScene {
   bake::Lightmap map;
   std::optional<bake::ProbeVolume> probes;  ///< where request.probes asks for them
   double seam_p99 = 0;                      ///< bake::make_lightmap()
+  int shards = 1;                           ///< whose parts in the folder it was joined of
 };
 
 /// Lays out and lights the renderer's scene as the request's atlas, light and probes say.
-/// @return  nothing under validate_only, with which it stops at the layout
+/// Parts are kept in the folder of request.out for a request of a command line alone.
+/// @return  nothing under validate_only, with which it stops at the layout, and of a shard
 /// @throws lte::Error where nothing shines or light reaches no texel, and as lte/bake does;
 ///         runtime::NotEnoughMemory before any of it is taken
 std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* renderer);

@@ -188,7 +188,7 @@ Atlas make_atlas(const scene::Scene& scene, const AtlasOptions& options) {
   LTE_CHECK(options.texels_per_metre > 0, "--texels-per-metre: expected a positive number, got ",
             options.texels_per_metre);
   const std::string fault = fault_of_uvs(scene);
-  LTE_CHECK(!options.keep_uvs || fault.empty(), "--keep-uvs: ", fault);
+  LTE_CHECK(!options.keep_uvs || fault.empty(), "--set keep_uvs: ", fault);
   Atlas out = fault.empty() ? keep_uvs(scene, options) : make_charts(scene, options);
   for (const scene::Mesh& mesh : out.scene.meshes) {
     out.chart.push_back(charts_of(mesh, &out.charts));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "lte/bake/sides.h"
@@ -25,7 +26,27 @@ constexpr int kPathsAPass = 2;
 /// Passes after which the error is looked at for the first time, and whenever they have doubled.
 constexpr int kFirstLook = 8;
 
-/// One bake of light, from the first pass to the last.
+TexelGraph graph_of(const pathtrace::Bvh& bvh, const Texels& texels, const LightState& state) {
+  const std::vector<Vec3> normals = turned_normals(texels, state.back);
+  return {bvh, {texels.position, normals, texels.edge, state.dark}};
+}
+
+/// The texels that light reaches.
+std::vector<uint32_t> lit_texels(const LightState& state) {
+  std::vector<uint32_t> out(state.dark.size());
+  std::iota(out.begin(), out.end(), 0u);
+  std::erase_if(out, [&](uint32_t i) { return state.dark[i] != 0; });
+  return out;
+}
+
+/// Two halves of indirect light.
+Halves indirect_of(const TexelGraph& graph, const LightState& state) {
+  Halves out = smooth(graph, state.samples.means(state.samples.indirect));
+  if (state.paths.passes[0] == 0) return out;
+  return correct(graph, std::move(out), state.paths.means(state.paths.indirect));
+}
+
+/// The passes of a bake, from the first to the last.
 class Bake {
  public:
   Bake(const render::TracedScene& scene, const render::Integrator& integrator, const Atlas& atlas,
@@ -35,36 +56,28 @@ class Bake {
         atlas_(atlas),
         texels_(texels),
         options_(options),
-        sampler_(atlas, texels, options),
-        samples_(texels.size(), options.direct),
-        lit_(texels.size()) {
-    out_.irradiance.resize(texels.size());
-    out_.dark.resize(texels.size());
-    out_.back.resize(static_cast<size_t>(atlas.charts));
-    std::iota(lit_.begin(), lit_.end(), 0u);
-  }
+        sampler_(atlas, texels, options) {}
 
-  TexelLight run() {
-    const std::vector<Vec3> normals = find_sides();
-    const TexelGraph graph(scene_.bvh, {texels_.position, normals, texels_.edge, out_.dark});
-    done();
-    gather(graph);
-    Halves light = smooth(graph, samples_.means(samples_.indirect));
-    if (!traces_alone() && options_.path_passes > 0) light = corrected(graph, std::move(light));
-    if (options_.direct) {
-      const Halves direct = smooth(graph, samples_.means(samples_.direct));
-      for (size_t h = 0; h < 2; ++h)
-        for (size_t i = 0; i < direct[h].size(); ++i) light[h][i] += direct[h][i];
+  LightState run() {
+    if (options_.from != nullptr) {
+      state_ = *options_.from;
+    } else {
+      start();
     }
-    out_.expected_error = std::hypot(relative_error(light), traces_alone() ? 0 : kSharedError);
-    for (const uint32_t i : lit_) out_.irradiance[i] = (light[0][i] + light[1][i]) * 0.5f;
-    done();
-    return std::move(out_);
+    lit_ = lit_texels(state_);
+    sample(sampler_, integrator_, kRays, options_.passes, &state_.samples);
+    if (integrator_.method() != render::Method::Path) {
+      LightOptions thin = options_;
+      thin.rays = kPathsAPass;
+      thin.direct = false;
+      const auto paths = render::make_path(scene_, options_.max_depth);
+      sample(TexelSampler(atlas_, texels_, thin), *paths, kPathRays, options_.path_passes,
+             &state_.paths);
+    }
+    return std::move(state_);
   }
 
  private:
-  bool traces_alone() const { return integrator_.method() == render::Method::Path; }
-
   void done() {
     ++step_;
     if (!options_.progress) return;
@@ -73,9 +86,9 @@ class Bake {
   }
 
   void pass(const TexelSampler& sampler, const render::Integrator& by, uint64_t stream, int number,
-            TexelSamples* into) {
+            Shard shard, TexelSamples* into) {
     const Timer timer;
-    sampler.pass(by, lit_, out_.back, sampler.sampling(stream), number, into);
+    sampler.pass(by, lit_, state_.back, sampler.sampling(stream), number, into, shard);
     last_pass_s_ = timer.seconds();
     done();
   }
@@ -87,59 +100,41 @@ class Bake {
     return timer_.seconds() + 2 * last_pass_s_ + smoothing <= options_.seconds;
   }
 
-  /// Two passes, and what they say of sides and of darkness. Leaves lit texels in `lit_`.
-  /// @return  normals of the sides that are baked
-  std::vector<Vec3> find_sides() {
-    if (options_.back != nullptr) out_.back = *options_.back;
-    for (int k = 0; k < 2; ++k) pass(sampler_, integrator_, kRays, k, &samples_);
-    if (options_.back == nullptr)
-      choose_sides(sampler_, integrator_, atlas_, texels_, &samples_, &out_);
+  /// Two passes, and what they say of sides and of darkness.
+  void start() {
+    state_.samples = TexelSamples(texels_.size(), options_.direct);
+    state_.paths = TexelSamples(texels_.size(), false);
+    state_.dark.resize(texels_.size());
+    state_.back.resize(static_cast<size_t>(atlas_.charts));
+    lit_ = lit_texels(state_);
+    if (options_.back != nullptr) state_.back = *options_.back;
+    for (int k = 0; k < 2; ++k) pass(sampler_, integrator_, kRays, k, {}, &state_.samples);
+    if (options_.back == nullptr) choose_sides(sampler_, integrator_, atlas_, texels_, &state_);
     done();
-    std::vector<Vec3> normals = turned_normals(texels_, out_.back);
-    find_darkness(scene_.bvh, atlas_, texels_, samples_, normals, options_, &out_);
-    std::erase_if(lit_, [&](uint32_t i) { return out_.dark[i] != 0; });
+    find_darkness(scene_.bvh, atlas_, texels_, turned_normals(texels_, state_.back), options_,
+                  &state_);
     done();
-    return normals;
+    if (options_.keep) options_.keep(state_);
   }
 
-  /// Whether light is known well enough, which is looked at when samples have doubled.
-  template <typename Estimate>
-  bool is_even(int passes, int* next_look, const Estimate& estimate) const {
-    if (options_.error <= 0 || passes < *next_look) return false;
-    *next_look *= 2;
-    return relative_error(estimate()) <= options_.error;
+  /// Whether light is known well enough.
+  bool is_even() {
+    if (!graph_) graph_.emplace(graph_of(scene_.bvh, texels_, state_));
+    return relative_error(indirect_of(*graph_, state_)) <= options_.error;
   }
 
-  /// The other passes by the integrator.
-  void gather(const TexelGraph& graph) {
+  /// Passes two by two, up to `count`. The error is looked at when samples have doubled.
+  void sample(const TexelSampler& sampler, const render::Integrator& by, uint64_t stream, int count,
+              TexelSamples* into) {
     int next_look = kFirstLook;
-    for (int k = 2; k < options_.passes && two_fit(); k += 2) {
-      if (is_even(k, &next_look, [&] { return smooth(graph, samples_.means(samples_.indirect)); }))
-        break;
-      for (int h = 0; h < 2; ++h) pass(sampler_, integrator_, kRays, k + h, &samples_);
+    for (int k = into->passes[0] + into->passes[1]; k < count && two_fit(); k += 2) {
+      if (options_.error > 0 && k >= next_look) {
+        next_look *= 2;
+        if (is_even()) return;
+      }
+      for (int h = 0; h < 2; ++h) pass(sampler, by, stream, k + h, options_.shard, into);
+      if (options_.keep) options_.keep(state_);
     }
-    out_.passes = samples_.passes[0] + samples_.passes[1];
-    if (traces_alone()) out_.paths = out_.passes * options_.rays;
-  }
-
-  /// Gathered light drawn towards what paths find.
-  Halves corrected(const TexelGraph& graph, Halves gathered) {
-    const auto paths = render::make_path(scene_, options_.max_depth);
-    LightOptions thin = options_;
-    thin.rays = kPathsAPass;
-    thin.direct = false;
-    const TexelSampler sampler(atlas_, texels_, thin);
-    TexelSamples traced(texels_.size(), false);
-    int next_look = kFirstLook;
-    for (int k = 0; k < options_.path_passes && two_fit(); k += 2) {
-      if (is_even(k, &next_look,
-                  [&] { return correct(graph, gathered, traced.means(traced.indirect)); }))
-        break;
-      for (int h = 0; h < 2; ++h) pass(sampler, *paths, kPathRays, k + h, &traced);
-    }
-    out_.paths = kPathsAPass * (traced.passes[0] + traced.passes[1]);
-    if (out_.paths == 0) return gathered;
-    return correct(graph, std::move(gathered), traced.means(traced.indirect));
   }
 
   const render::TracedScene& scene_;
@@ -149,12 +144,19 @@ class Bake {
   const LightOptions& options_;
   const Timer timer_;
   TexelSampler sampler_;
-  TexelSamples samples_;
+  LightState state_;
   std::vector<uint32_t> lit_;  ///< texels that passes are over: all, then those that are not dark
-  TexelLight out_;
+  std::optional<TexelGraph> graph_;
   int step_ = 0;
   double last_pass_s_ = 0;
 };
+
+void take(const TexelSamples& from, uint32_t texel, TexelSamples* to) {
+  for (size_t h = 0; h < 2; ++h) {
+    if (!to->indirect[h].empty()) to->indirect[h][texel] = from.indirect[h][texel];
+    if (!to->direct[h].empty()) to->direct[h][texel] = from.direct[h][texel];
+  }
+}
 
 }  // namespace
 
@@ -181,11 +183,66 @@ std::vector<Rgb> trace_texels(const render::TracedScene& scene, const Atlas& atl
   return out;
 }
 
-TexelLight light_texels(const render::TracedScene& scene, const render::Integrator& integrator,
-                        const Atlas& atlas, const Texels& texels, const LightOptions& options) {
+LightState sample_texels(const render::TracedScene& scene, const render::Integrator& integrator,
+                         const Atlas& atlas, const Texels& texels, const LightOptions& options) {
   LTE_CHECK(options.passes >= 2 && options.rays >= 1 && options.path_passes >= 0,
             "light of texels: expected two passes of a ray at least");
+  const Shard& shard = options.shard;
+  LTE_CHECK(shard.count >= 1 && shard.number >= 0 && shard.number < shard.count,
+            "light of texels: there is no shard ", shard.number, " of ", shard.count);
+  LTE_CHECK(shard.count == 1 || (std::isinf(options.seconds) && options.error <= 0),
+            "light of texels: shards have passes of a given number");
   return Bake(scene, integrator, atlas, texels, options).run();
+}
+
+LightState joined(const std::vector<LightState>& shards) {
+  LTE_CHECK(!shards.empty(), "light of texels: no shard to join");
+  LightState out = shards.front();
+  for (const LightState& one : shards) {
+    LTE_CHECK(one.dark == out.dark && one.back == out.back &&
+                  one.samples.passes == out.samples.passes && one.paths.passes == out.paths.passes,
+              "light of texels: shards of different bakes");
+  }
+  const std::vector<uint32_t> lit = lit_texels(out);
+  const auto count = static_cast<int>(shards.size());
+  for (int k = 1; k < count; ++k) {
+    const LightState& from = shards[static_cast<size_t>(k)];
+    for (size_t place = 0; place < lit.size(); ++place) {
+      if (!Shard{k, count}.has(place)) continue;
+      take(from.samples, lit[place], &out.samples);
+      take(from.paths, lit[place], &out.paths);
+    }
+  }
+  return out;
+}
+
+TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texels& texels,
+                    const LightOptions& options, LightState state) {
+  const TexelGraph graph = graph_of(bvh, texels, state);
+  const bool by_paths = method == render::Method::Path;
+  TexelLight out;
+  out.irradiance.resize(texels.size());
+  out.two_sided = state.two_sided;
+  out.passes = state.samples.passes[0] + state.samples.passes[1];
+  out.paths = by_paths ? out.passes * options.rays
+                       : kPathsAPass * (state.paths.passes[0] + state.paths.passes[1]);
+  Halves light = indirect_of(graph, state);
+  if (options.direct) {
+    const Halves direct = smooth(graph, state.samples.means(state.samples.direct));
+    for (size_t h = 0; h < 2; ++h)
+      for (size_t i = 0; i < direct[h].size(); ++i) light[h][i] += direct[h][i];
+  }
+  out.expected_error = std::hypot(relative_error(light), by_paths ? 0 : kSharedError);
+  for (const uint32_t i : lit_texels(state)) out.irradiance[i] = (light[0][i] + light[1][i]) * 0.5f;
+  out.dark = std::move(state.dark);
+  out.back = std::move(state.back);
+  return out;
+}
+
+TexelLight light_texels(const render::TracedScene& scene, const render::Integrator& integrator,
+                        const Atlas& atlas, const Texels& texels, const LightOptions& options) {
+  return light_of(scene.bvh, integrator.method(), texels, options,
+                  sample_texels(scene, integrator, atlas, texels, options));
 }
 
 }  // namespace lte::bake

@@ -1,6 +1,7 @@
 // Light at texels: which side of each chart it reaches, where it reaches at all, and how much.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -11,6 +12,39 @@
 #include "lte/render/integrator.h"
 
 namespace lte::bake {
+
+/// Sums over passes, which alternate between two halves. `direct` is empty where it is not wanted.
+struct TexelSamples {
+  std::array<std::vector<Rgb>, 2> direct, indirect;  ///< [texels] W/m²
+  std::array<int, 2> passes{};
+
+  TexelSamples() = default;
+  TexelSamples(size_t texels, bool with_direct);
+  /// Of `direct` or `indirect`.
+  Halves means(const std::array<std::vector<Rgb>, 2>& sums) const;
+  /// All light of a texel that the samples have found.
+  Rgb sum(size_t texel) const;
+};
+
+/// Lit texels that belong to a shard together.
+inline constexpr size_t kShardBlock = 4096;
+
+/// A part of a bake, for processes that share one: every so many blocks of the lit texels.
+struct Shard {
+  int number = 0, count = 1;
+
+  /// @param place  of a texel among the lit ones
+  bool has(size_t place) const {
+    return static_cast<int>(place / kShardBlock % static_cast<size_t>(count)) == number;
+  }
+};
+
+/// What the passes so far have found, from which a bake goes on as if it had not stopped.
+struct LightState {
+  std::vector<uint8_t> dark, back;  ///< TexelLight has these
+  int64_t two_sided = 0;
+  TexelSamples samples, paths;
+};
 
 /// What samples are drawn. Passes alternate between two halves.
 struct LightOptions {
@@ -26,6 +60,12 @@ struct LightOptions {
   /// [charts] the sides to bake, TexelLight::back of another bake; null: those that light reaches.
   const std::vector<uint8_t>* back = nullptr;
   std::function<void(double share)> progress;  ///< of the work, [0, 1]; may be empty
+  /// All texels have the first two passes, which tell sides and darkness; later ones are the
+  /// shard's. With `seconds` or `error` there is one.
+  Shard shard = {};
+  const LightState* from = nullptr;  ///< where to go on, made by the same options; may be null
+  /// Told where the bake stands, whenever both halves have got a pass. May be empty.
+  std::function<void(const LightState&)> keep = {};
 };
 
 struct TexelLight {
@@ -38,7 +78,21 @@ struct TexelLight {
   int paths = 0;                ///< a texel, traced to its end
 };
 
-/// Light at texels of an atlas of the scene. The integrator has been prepared.
+/// All passes of a shard. The integrator has been prepared.
+/// @throws lte::Error if an option is out of range
+LightState sample_texels(const render::TracedScene& scene, const render::Integrator& integrator,
+                         const Atlas& atlas, const Texels& texels, const LightOptions& options);
+
+/// The samples of one state: those of all shards, in their order.
+/// @throws lte::Error where they are not of one bake
+LightState joined(const std::vector<LightState>& shards);
+
+/// The light of texels by samples of all of them.
+/// @param method  of the integrator
+TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texels& texels,
+                    const LightOptions& options, LightState state);
+
+/// Light at texels of an atlas of the scene: the two above. The integrator has been prepared.
 /// @throws lte::Error if an option is out of range
 TexelLight light_texels(const render::TracedScene& scene, const render::Integrator& integrator,
                         const Atlas& atlas, const Texels& texels, const LightOptions& options);

@@ -81,8 +81,8 @@ struct DimPatches {
 }  // namespace
 
 void choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
-                  const Atlas& atlas, const Texels& texels, TexelSamples* samples,
-                  TexelLight* out) {
+                  const Atlas& atlas, const Texels& texels, LightState* state) {
+  TexelSamples* const samples = &state->samples;
   std::vector<uint32_t> all(texels.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<uint32_t>(i);
   const ChartLight front(texels, *samples, all, atlas.charts);
@@ -106,13 +106,13 @@ void choose_sides(const TexelSampler& sampler, const render::Integrator& integra
   const ChartLight rear(texels, behind, asked, atlas.charts);
   for (size_t chart = 0; chart < back.size(); ++chart) {
     const bool both = front.reached(chart) && rear.reached(chart);
-    if (both) out->two_sided += front.texels[chart];
-    out->back[chart] =
+    if (both) state->two_sided += front.texels[chart];
+    state->back[chart] =
         rear.reached(chart) && (!both || rear.light[chart] > ahead.light[chart]) ? 1 : 0;
   }
   std::vector<uint32_t> turned;
   for (const uint32_t i : all) {
-    if (out->back[static_cast<size_t>(texels.chart[i])] == 0) continue;
+    if (state->back[static_cast<size_t>(texels.chart[i])] == 0) continue;
     turned.push_back(i);
     for (size_t h = 0; h < 2; ++h) {
       samples->indirect[h][i] = {};
@@ -125,20 +125,23 @@ void choose_sides(const TexelSampler& sampler, const render::Integrator& integra
 }
 
 void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
-                   const TexelSamples& samples, const std::vector<Vec3>& normals,
-                   const LightOptions& options, TexelLight* out) {
+                   const std::vector<Vec3>& normals, const LightOptions& options,
+                   LightState* state) {
   pathtrace::ReachOptions reach;
   reach.max_depth = options.max_depth;
   reach.seed = hash_combine(options.seed, kReachPaths);
   const auto reached = [&](const std::vector<size_t>& which) {
     std::vector<Vec3> position, normal;
     for (const size_t i : which) {
-      position.push_back(texels.position[i]);
+      // Not the middle, which often lies in the very plane of a wall, where both sides see it.
+      Rng rng(reach.seed, texels.pixel[i]);
+      position.push_back(
+          place_in(atlas, texels, i, {rng.uniform(), rng.uniform(), rng.uniform()}).position);
       normal.push_back(normals[i]);
     }
     return pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
   };
-  const DimPatches dim(atlas, texels, samples);
+  const DimPatches dim(atlas, texels, state->samples);
   std::vector<size_t> first, rest;
   for (const std::vector<size_t>& patch : dim.patch)
     for (size_t k = 0; k < patch.size(); k += 1 + patch.size() / size_t{kDeciding})
@@ -150,16 +153,16 @@ void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& 
     bool any = false;
     for (size_t k = 0; k < patch.size(); k += step) {
       any = any || kept[at] != 0;
-      out->dark[patch[k]] = kept[at++] == 0 ? 1 : 0;
+      state->dark[patch[k]] = kept[at++] == 0 ? 1 : 0;
     }
     for (size_t k = 0; k < patch.size(); ++k) {
       if (k % step == 0) continue;
-      out->dark[patch[k]] = 1;
+      state->dark[patch[k]] = 1;
       if (any) rest.push_back(patch[k]);
     }
   }
   const std::vector<uint8_t> also = reached(rest);
-  for (size_t k = 0; k < rest.size(); ++k) out->dark[rest[k]] = also[k] == 0 ? 1 : 0;
+  for (size_t k = 0; k < rest.size(); ++k) state->dark[rest[k]] = also[k] == 0 ? 1 : 0;
 }
 
 }  // namespace lte::bake

@@ -11,17 +11,16 @@ namespace lte::bake {
 
 /// Turns charts to their back where light reaches only that, or that of a two-sided one is the
 /// brighter: their samples become those of the back.
-/// @param samples  two passes of the front
-/// @param out      gets `back` and `two_sided`
+/// @param state  has two passes of the front as its samples; gets `back` and `two_sided`
 void choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
-                  const Atlas& atlas, const Texels& texels, TexelSamples* samples, TexelLight* out);
+                  const Atlas& atlas, const Texels& texels, LightState* state);
 
 /// Marks texels that light does not reach: those that have found little, by paths. Where none of
 /// some texels of a patch is reached, no texel of it is.
 /// @param normals  of the sides that are baked
-/// @param out      gets `dark`
+/// @param state    gets `dark`
 void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
-                   const TexelSamples& samples, const std::vector<Vec3>& normals,
-                   const LightOptions& options, TexelLight* out);
+                   const std::vector<Vec3>& normals, const LightOptions& options,
+                   LightState* state);
 
 }  // namespace lte::bake

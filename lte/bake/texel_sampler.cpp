@@ -9,7 +9,6 @@
 namespace lte::bake {
 namespace {
 
-constexpr size_t kBlock = 1 << 14;  // texels that an integrator gets at once
 constexpr uint64_t kPlaces = 81;
 
 }  // namespace
@@ -56,13 +55,14 @@ std::array<float, 3> TexelSampler::numbers(uint32_t texel, int number) const {
 
 void TexelSampler::pass(const render::Integrator& integrator, std::span<const uint32_t> which,
                         std::span<const uint8_t> back, const render::PointSampling& sampling,
-                        int number, TexelSamples* samples) const {
+                        int number, TexelSamples* samples, Shard shard) const {
   const auto half = static_cast<size_t>(number) % 2;
   render::PointSampling one = sampling;
   one.seed =
       hash_combine(hash_combine(options_.seed, sampling.seed), static_cast<uint64_t>(number));
-  for (size_t begin = 0; begin < which.size(); begin += kBlock) {
-    const auto block = which.subspan(begin, std::min(kBlock, which.size() - begin));
+  for (size_t begin = 0; begin < which.size(); begin += kShardBlock) {
+    if (!shard.has(begin)) continue;
+    const auto block = which.subspan(begin, std::min(kShardBlock, which.size() - begin));
     std::vector<Vec3> position(block.size()), normal(block.size());
     parallel_for(static_cast<int64_t>(block.size()), 512, [&](int64_t first, int64_t end) {
       for (auto i = static_cast<size_t>(first); i < static_cast<size_t>(end); ++i) {

@@ -10,18 +10,6 @@
 
 namespace lte::bake {
 
-/// Sums over passes, which alternate between two halves. `direct` is empty where it is not wanted.
-struct TexelSamples {
-  std::array<std::vector<Rgb>, 2> direct, indirect;  ///< [texels] W/m²
-  std::array<int, 2> passes{};
-
-  TexelSamples(size_t texels, bool with_direct);
-  /// Of `direct` or `indirect`.
-  Halves means(const std::array<std::vector<Rgb>, 2>& sums) const;
-  /// All light of a texel that the samples have found.
-  Rgb sum(size_t texel) const;
-};
-
 /// Borrows all that it is made of.
 class TexelSampler {
  public:
@@ -31,10 +19,11 @@ class TexelSampler {
   /// Rays and light samples of a pass; `stream` tells uses of random numbers apart.
   render::PointSampling sampling(uint64_t stream) const;
   /// Pass `number` over some texels, whose numbers ascend.
-  /// @param back  [charts] 1: light of the back
+  /// @param back   [charts] 1: light of the back
+  /// @param shard  whose blocks of them are sampled; what they get is the same as of all
   void pass(const render::Integrator& integrator, std::span<const uint32_t> which,
             std::span<const uint8_t> back, const render::PointSampling& sampling, int number,
-            TexelSamples* samples) const;
+            TexelSamples* samples, Shard shard = {}) const;
 
  private:
   std::array<float, 3> numbers(uint32_t texel, int number) const;

@@ -128,7 +128,7 @@ TEST(Atlas, KeepsOwnUvsUnlessTheyOverlap) {
   EXPECT_EQ(kept.width, 25);
   const scene::Scene overlapping = quad_with_uv1(0);
   EXPECT_EQ(test::message_of([&] { make_atlas(overlapping, keep); }),
-            "--keep-uvs: TEXCOORD_1 of mesh \"quad\" overlaps");
+            "--set keep_uvs: TEXCOORD_1 of mesh \"quad\" overlaps");
   keep.keep_uvs = false;
   EXPECT_FALSE(make_atlas(overlapping, keep).kept_uvs);
 }
@@ -272,6 +272,49 @@ TEST(TexelLight, OfTwoSidedSurfacesIsTheBrighter) {
   const TexelLight light = path_light(traced, layout, 2, 8);
   EXPECT_EQ(light.back, std::vector<uint8_t>{1});
   EXPECT_EQ(light.two_sided, static_cast<int64_t>(layout.texels.size()));
+}
+
+TEST(TexelLight, GoesOnAndJoinsToTheSameBytes) {
+  const scene::Scene scene = test::furnished_room();
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(12));
+  render::CacheSettings cache;
+  cache.records = 512;
+  const auto gather = render::make_gather(traced.get(), cache);
+  gather->prepare();
+  LightOptions options;
+  options.passes = 4;
+  options.path_passes = 4;
+  options.direct = true;
+  std::vector<LightState> kept;
+  options.keep = [&](const LightState& state) { kept.push_back(state); };
+  const auto sampled = [&](const LightOptions& with) {
+    return sample_texels(traced.get(), *gather, layout.atlas, layout.texels, with);
+  };
+  const auto light = [&](LightState state) {
+    return light_of(traced.bvh, gather->method(), layout.texels, options, std::move(state));
+  };
+  const TexelLight whole = light(sampled(options));
+  ASSERT_EQ(kept.size(), 4u);
+  LightOptions rest = options;
+  rest.keep = {};
+  for (const LightState& state : kept) {
+    rest.from = &state;
+    EXPECT_EQ(light(sampled(rest)).irradiance, whole.irradiance);
+  }
+  rest.from = nullptr;
+  std::vector<LightState> shards;
+  for (int k = 0; k < 3; ++k) {
+    rest.shard = {k, 3};
+    shards.push_back(sampled(rest));
+  }
+  ASSERT_GT(layout.texels.size(), 2 * kShardBlock);
+  EXPECT_NE(light(shards[0]).irradiance, whole.irradiance);
+  const TexelLight all = light(joined(shards));
+  EXPECT_EQ(all.irradiance, whole.irradiance);
+  EXPECT_EQ(all.dark, whole.dark);
+  shards[1].dark[0] ^= 1;
+  EXPECT_THROW(joined(shards), Error);
 }
 
 Lightmap baked_by_paths(const Traced& traced, Layout layout) {
