@@ -12,8 +12,9 @@ namespace {
 /// Cosine between normals beyond which light has no reason to be the same on both sides.
 constexpr float kSmoothEdge = 0.9f;
 /// Weights of least squares: of a seam, of a lit texel's own value, of a filled one's.
-constexpr double kSeam = 50, kOwn = 1, kFilledOwn = 0.1;
-constexpr int kIterations = 200;
+constexpr double kSeam = 500, kOwn = 1, kFilledOwn = 0.1;
+constexpr int kIterations = 200, kRounds = 6;
+constexpr double kPrecision = 1e-10;
 /// Of the mean light along seams: differences of darker places count relative to that.
 constexpr double kUnseen = 0.01;
 
@@ -74,10 +75,11 @@ void add_seam(const Pixels& pixels, const Side& one, const Side& other,
 
 /// The normal equations of least squares over the pixels that seams read.
 struct System {
-  std::vector<uint32_t> pixel;                  ///< unknowns
-  std::vector<std::array<uint32_t, 8>> column;  ///< of a seam's weights
   const std::vector<SeamPlace>& seams;
-  std::vector<double> own;
+  std::vector<uint32_t> pixel = {};                  ///< unknowns
+  std::vector<std::array<uint32_t, 8>> column = {};  ///< of a seam's weights
+  std::vector<double> strength = {};                 ///< of a seam
+  std::vector<double> own = {}, diagonal = {};       ///< of an unknown
 
   std::vector<double> times(const std::vector<double>& x) const {
     std::vector<double> out(x.size());
@@ -86,7 +88,7 @@ struct System {
       double difference = 0;
       for (size_t k = 0; k < 8; ++k) difference += double{seams[s].weight[k]} * x[column[s][k]];
       for (size_t k = 0; k < 8; ++k)
-        out[column[s][k]] += kSeam * double{seams[s].weight[k]} * difference;
+        out[column[s][k]] += strength[s] * double{seams[s].weight[k]} * difference;
     }
     return out;
   }
@@ -98,13 +100,20 @@ double product(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-/// Conjugate gradients from `x`, which becomes the solution.
-void solve(const System& system, const std::vector<double>& right, std::vector<double>* x) {
+/// Conjugate gradients from `x`, which becomes the solution; the diagonal preconditions.
+/// @param fixed  [unknowns] not 0: stays as it is
+void solve(const System& system, const std::vector<double>& right,
+           const std::vector<uint8_t>& fixed, std::vector<double>* x) {
+  const auto scaled = [&](std::vector<double> values) {
+    for (size_t i = 0; i < values.size(); ++i)
+      values[i] = fixed[i] != 0 ? 0 : values[i] / system.diagonal[i];
+    return values;
+  };
   std::vector<double> residual = system.times(*x);
   for (size_t i = 0; i < residual.size(); ++i) residual[i] = right[i] - residual[i];
-  std::vector<double> direction = residual;
-  double square = product(residual, residual);
-  const double least = 1e-10 * product(right, right);
+  std::vector<double> direction = scaled(residual);
+  double square = product(residual, direction);
+  const double least = kPrecision * product(right, scaled(right));
   for (int k = 0; k < kIterations && square > least; ++k) {
     const std::vector<double> image = system.times(direction);
     const double step = square / product(direction, image);
@@ -112,11 +121,48 @@ void solve(const System& system, const std::vector<double>& right, std::vector<d
       (*x)[i] += step * direction[i];
       residual[i] -= step * image[i];
     }
+    const std::vector<double> next = scaled(residual);
     const double before = square;
-    square = product(residual, residual);
-    for (size_t i = 0; i < x->size(); ++i)
-      direction[i] = residual[i] + square / before * direction[i];
+    square = product(residual, next);
+    for (size_t i = 0; i < x->size(); ++i) direction[i] = next[i] + square / before * direction[i];
   }
+}
+
+/// The same without values below 0: those become 0, and the others are solved for again.
+void solve_nonnegative(const System& system, const std::vector<double>& right,
+                       std::vector<double>* x) {
+  std::vector<uint8_t> fixed(x->size());
+  for (int round = 0; round < kRounds; ++round) {
+    solve(system, right, fixed, x);
+    bool changed = false;
+    for (size_t i = 0; i < x->size(); ++i) {
+      if (!((*x)[i] < 0)) continue;
+      (*x)[i] = 0;
+      fixed[i] = 1;
+      changed = true;
+    }
+    if (!changed) return;
+  }
+}
+
+float level_of(const std::vector<float>& irradiance, uint32_t pixel) {
+  const float* at = &irradiance[3 * size_t{pixel}];
+  return luminance({at[0], at[1], at[2]});
+}
+
+/// The light at each seam place, and the mean of all.
+std::vector<double> levels_of(const std::vector<SeamPlace>& seams,
+                              const std::vector<float>& irradiance, double* mean) {
+  std::vector<double> out;
+  *mean = 0;
+  for (const SeamPlace& place : seams) {
+    double light = 0;
+    for (size_t k = 0; k < 8; ++k)
+      light += double{std::abs(place.weight[k])} * level_of(irradiance, place.pixel[k]) / 2;
+    out.push_back(light);
+    *mean += light / static_cast<double>(seams.size());
+  }
+  return out;
 }
 
 }  // namespace
@@ -148,19 +194,30 @@ std::vector<SeamPlace> find_seams(const Atlas& atlas, const std::vector<uint8_t>
 void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>& mask,
                 std::vector<float>* irradiance) {
   if (seams.empty()) return;
-  System system{{}, {}, seams, {}};
+  System system{seams};
   std::vector<uint32_t> number(mask.size(), ~0u);
-  for (const SeamPlace& place : seams) {
+  double mean = 0;
+  const std::vector<double> level = levels_of(seams, *irradiance, &mean);
+  // Differences count relative to the light there, as they are seen.
+  const auto share = [&](double light, double weight) {
+    return weight / std::pow(std::max(light, kUnseen * mean) + 1e-30, 2);
+  };
+  for (size_t s = 0; s < seams.size(); ++s) {
+    const SeamPlace& place = seams[s];
+    system.strength.push_back(share(level[s], kSeam));
     std::array<uint32_t, 8>& column = system.column.emplace_back();
     for (size_t k = 0; k < 8; ++k) {
       uint32_t& at = number[place.pixel[k]];
       if (at == ~0u) {
         at = static_cast<uint32_t>(system.pixel.size());
         system.pixel.push_back(place.pixel[k]);
-        system.own.push_back(static_cast<Texel>(mask[place.pixel[k]]) == Texel::Lit ? kOwn
-                                                                                    : kFilledOwn);
+        const bool lit = static_cast<Texel>(mask[place.pixel[k]]) == Texel::Lit;
+        system.own.push_back(
+            share(double{level_of(*irradiance, place.pixel[k])}, lit ? kOwn : kFilledOwn));
+        system.diagonal.push_back(system.own.back());
       }
       column[k] = at;
+      system.diagonal[at] += system.strength.back() * std::pow(double{place.weight[k]}, 2);
     }
   }
   for (size_t c = 0; c < 3; ++c) {
@@ -169,28 +226,22 @@ void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>&
       x[i] = double{(*irradiance)[3 * system.pixel[i] + c]};
       right[i] = system.own[i] * x[i];
     }
-    solve(system, right, &x);
+    solve_nonnegative(system, right, &x);
     for (size_t i = 0; i < x.size(); ++i)
-      (*irradiance)[3 * system.pixel[i] + c] = static_cast<float>(std::max(0.0, x[i]));
+      (*irradiance)[3 * system.pixel[i] + c] = static_cast<float>(x[i]);
   }
 }
 
 double seam_difference(const std::vector<SeamPlace>& seams, const std::vector<float>& irradiance,
                        double share) {
-  std::vector<double> out, level;
   double mean = 0;
+  const std::vector<double> level = levels_of(seams, irradiance, &mean);
+  std::vector<double> out;
   for (const SeamPlace& place : seams) {
-    double difference = 0, light = 0;
-    for (size_t k = 0; k < 8; ++k) {
-      const size_t at = 3 * size_t{place.pixel[k]};
-      const double value = 0.2126 * double{irradiance[at]} + 0.7152 * double{irradiance[at + 1]} +
-                           0.0722 * double{irradiance[at + 2]};
-      difference += double{place.weight[k]} * value;
-      light += std::abs(double{place.weight[k]}) * value / 2;
-    }
+    double difference = 0;
+    for (size_t k = 0; k < 8; ++k)
+      difference += double{place.weight[k]} * level_of(irradiance, place.pixel[k]);
     out.push_back(std::abs(difference));
-    level.push_back(light);
-    mean += light / static_cast<double>(seams.size());
   }
   if (!(mean > 0)) return 0;
   for (size_t i = 0; i < out.size(); ++i) out[i] /= std::max(level[i], kUnseen * mean);
