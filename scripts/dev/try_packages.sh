@@ -27,7 +27,11 @@ command -v mmdebstrap >/dev/null || { apt-get update -qq &&
 work=$(mktemp -d)
 chmod 755 "$work"
 trap 'rm -rf "$work"' EXIT
-in_root() { DEBIAN_FRONTEND=noninteractive timeout 600 chroot "$work/$root" "$@"; }
+# With /proc, which programs find their own place by, mounted for the one command.
+in_root() {
+  DEBIAN_FRONTEND=noninteractive timeout 600 unshare --mount \
+    sh -c 'mount --bind /proc "$1/proc" && exec chroot "$@"' sh "$work/$root" "$@"
+}
 install() {
   in_root apt-get install -y -qq "$@" >"$work/log" 2>&1 && return
   cat "$work/log"

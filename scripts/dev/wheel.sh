@@ -19,8 +19,8 @@ case "${1:-}" in
   --help | -h) sed -n '2,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
   -*) echo "wheel: unknown argument $1; see --help" >&2; exit 2 ;;
 esac
-# By the compiler's plain name, and relative to the sources: ccache then knows most of the files from
-# other builds.
+# By the compiler's plain name, and relative to the sources: ccache then knows most of the files
+# from other builds.
 export CC=${CC:-cc} CXX=${CXX:-c++} CCACHE_BASEDIR=$root
 fail() { echo "wheel: $*" >&2; exit 1; }
 
