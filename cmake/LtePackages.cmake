@@ -34,6 +34,7 @@ set(CPACK_COMPONENT_TOOLS_DESCRIPTION
 "The program lte reads glTF, PBRT, OBJ and PLY scenes, and makes pictures, light
 maps and irradiance at points by gathered light and by path tracing;
 liblte_c_api has pictures and points for C programs.")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS lte-models)
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME lte-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)

@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
 # Fails where a build without LibTorch answers otherwise than one with it, by a bit: every shipped
-# model, at three numbers of scene points, and a model's own precision. Builds lte_probe without
-# LibTorch, and takes the other one from a build that is there.
+# model, at three numbers of scene points, and a model's own precision. Builds the program lte as
+# packages have it, and takes the other one from a build that is there.
 #
 # usage: scripts/dev/check_no_torch.sh [BUILD]     build by default
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=${1:-build}
-[ -x "$build/bin/lte_probe" ] || { echo "check_no_torch: there is no $build/bin/lte_probe" >&2; exit 2; }
-cmake --preset no-torch -DLTE_TESTS=OFF >/dev/null
-cmake --build --preset no-torch --target lte_probe >/dev/null
-own=build-no-torch/bin/lte_probe
+[ -x "$build/bin/lte" ] || { echo "check_no_torch: there is no $build/bin/lte" >&2; exit 2; }
+export CCACHE_BASEDIR=$PWD  # as scripts/build.sh
+cmake --preset packages >/dev/null
+cmake --build --preset packages --target lte_program >/dev/null
+own=build-packages/bin/lte
 if ldd "$own" | grep -E 'torch|c10'; then
   echo "check_no_torch: $own needs LibTorch" >&2
   exit 1
@@ -26,7 +27,7 @@ points="$folder/points.csv"
 answers() {
   local program=$1 name=$2 model=$3
   shift 3
-  "$program" assets/scenes/living_room.glb --integrator network --checkpoint "$model" --quiet \
+  "$program" probe assets/scenes/living_room.glb --integrator network --checkpoint "$model" --quiet \
     --points "$points" --spp 16 --set records=256 --set check=off "${@/#/--set=}" \
     --out "$folder/$name.csv" --save-embedding "$folder/$name.lte"
 }
@@ -35,7 +36,7 @@ for model in assets/models/*.safetensors; do
   for settings in scene_points=700 scene_points=3000 scene_points=9000 \
                   "scene_points=3000 precision=bf16"; do
     read -ra keys <<<"$settings"
-    answers "$build/bin/lte_probe" torch "$model" "${keys[@]}"
+    answers "$build/bin/lte" torch "$model" "${keys[@]}"
     answers "$own" own "$model" "${keys[@]}"
     for kind in csv lte; do
       if ! cmp -s "$folder/torch.$kind" "$folder/own.$kind"; then
