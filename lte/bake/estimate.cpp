@@ -15,6 +15,10 @@ namespace {
 constexpr std::array<int, 5> kRounds = {24, 10, 4, 1, 0};
 /// Of the texels over which weights are estimated.
 constexpr int kWeightRounds = 6;
+/// Samples of so many times the light that is expected, and that share of the mean light, are
+/// peaks.
+constexpr float kPeak = 3;
+constexpr double kPeakFloor = 0.1;
 constexpr int64_t kTexelGrain = 8192;
 
 void for_texels(size_t count, const std::function<void(size_t)>& use) {
@@ -55,6 +59,33 @@ std::array<Halves, kRounds.size()> all_means(const TexelGraph& graph, const Halv
   return out;
 }
 
+/// Samples whose rare bright paths are spread over their surroundings: in a texel alone, they would
+/// stay there as a spot.
+/// @param estimate  of the same light
+Halves without_peaks(const TexelGraph& graph, const Halves& estimate, Halves samples) {
+  std::vector<float> most(samples[0].size());
+  double sum = 0;
+  for (size_t i = 0; i < most.size(); ++i) {
+    most[i] = luminance((estimate[0][i] + estimate[1][i]) * 0.5f);
+    sum += double{most[i]};
+  }
+  const auto points = static_cast<double>(std::max<size_t>(1, most.size()));
+  const auto dark = static_cast<float>(kPeakFloor * sum / points);
+  for (float& value : most) value = kPeak * (value + dark);
+  for (std::vector<Rgb>& half : samples) {
+    std::vector<Rgb> excess(half.size());
+    for_texels(half.size(), [&](size_t i) {
+      const float light = luminance(half[i]);
+      if (light <= most[i]) return;
+      excess[i] = half[i] * (1 - most[i] / light);
+      half[i] *= most[i] / light;
+    });
+    excess = graph.spread(std::move(excess), kRounds.front());
+    for_texels(half.size(), [&](size_t i) { half[i] += excess[i]; });
+  }
+  return samples;
+}
+
 }  // namespace
 
 Halves smooth(const TexelGraph& graph, const Halves& samples) {
@@ -65,8 +96,8 @@ Halves smooth(const TexelGraph& graph, const Halves& samples) {
 }
 
 Halves correct(const TexelGraph& graph, Halves estimate, const Halves& samples) {
-  for (const Halves& mean : all_means(graph, samples))
-    draw_towards(graph, mean, samples, &estimate);
+  const Halves even = without_peaks(graph, estimate, samples);
+  for (const Halves& mean : all_means(graph, even)) draw_towards(graph, mean, even, &estimate);
   return estimate;
 }
 
