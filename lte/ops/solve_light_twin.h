@@ -3,6 +3,7 @@
 // kernels; tests run them in loops.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -14,19 +14,18 @@
 namespace lte::ops {
 namespace {
 
-using Column = SolvedColumn;
 using test::throws_saying;
 
-struct Room {
+struct LitRoom {
   at::Tensor position, normal, albedo, emission, area;
 };
 
 /// The inside of a box of 4 x 2.5 x 5 m with a lamp under its ceiling, a board in it, and a point
 /// of light outside.
-Room room(int64_t count) {
+LitRoom lit_room(int64_t count) {
   const at::Tensor draw = test::uniform({count, 4}, 3);
-  Room out{at::empty({count, 3}), at::zeros({count, 3}), test::uniform({count, 3}, 4),
-           at::zeros({count, 3}), at::full({count}, 80.0f / static_cast<float>(count))};
+  LitRoom out{at::empty({count, 3}), at::zeros({count, 3}), test::uniform({count, 3}, 4),
+              at::zeros({count, 3}), at::full({count}, 80.0f / static_cast<float>(count))};
   const float size[3] = {4, 2.5f, 5};
   for (int64_t i = 0; i < count; ++i) {
     const float* u = draw.const_data_ptr<float>() + 4 * i;
@@ -54,17 +53,17 @@ Room room(int64_t count) {
   return out;
 }
 
-at::Tensor solve(const Room& r) {
+at::Tensor solve_room(const LitRoom& r) {
   return solve_light(r.position, r.normal, r.albedo, r.emission, r.area);
 }
 
-std::span<const Vec3> triples(const at::Tensor& t) {
+std::span<const Vec3> as_triples(const at::Tensor& t) {
   return {reinterpret_cast<const Vec3*>(t.const_data_ptr<float>()), static_cast<size_t>(t.size(0))};
 }
 
 class SolveLight : public test::PerDevice {
  protected:
-  Room put_room(const Room& r) const {
+  LitRoom put_room(const LitRoom& r) const {
     return {put(r.position), put(r.normal), put(r.albedo), put(r.emission), put(r.area)};
   }
 };
@@ -73,19 +72,19 @@ LTE_FOR_EACH_DEVICE(SolveLight);
 // Bit for bit on the CPU. On a GPU a pair that rounding makes see each other moves single points.
 TEST_P(SolveLight, IsTheSolutionOfRadiosity) {
   for (const int64_t count : {0, 1, 2, 300, 3000}) {
-    const Room r = room(count);
+    const LitRoom r = lit_room(count);
     const radiosity::PointIrradiance light = radiosity::solve(
-        {triples(r.position), triples(r.normal), triples(r.albedo), triples(r.emission),
+        {as_triples(r.position), as_triples(r.normal), as_triples(r.albedo), as_triples(r.emission),
          std::span(r.area.const_data_ptr<float>(), static_cast<size_t>(count))},
         1);
-    const at::Tensor got = solve(put_room(r));
-    ASSERT_EQ(got.sizes(), (at::IntArrayRef{count, Column::kCount}));
+    const at::Tensor got = solve_room(put_room(r));
+    ASSERT_EQ(got.sizes(), (at::IntArrayRef{count, SolvedColumn::kCount}));
     EXPECT_EQ(got.device().type(), GetParam());
     const std::vector<std::pair<int64_t, const std::vector<Rgb>*>> parts = {
-        {Column::kDirect, &light.direct},
-        {Column::kIndirect, &light.indirect},
-        {Column::kDirectBack, &light.direct_back},
-        {Column::kIndirectBack, &light.indirect_back}};
+        {SolvedColumn::kDirect, &light.direct},
+        {SolvedColumn::kIndirect, &light.indirect},
+        {SolvedColumn::kDirectBack, &light.direct_back},
+        {SolvedColumn::kIndirectBack, &light.indirect_back}};
     for (const auto& [column, part] : parts) {
       const at::Tensor mine = got.narrow(1, column, 3).cpu().contiguous();
       const at::Tensor expected =
@@ -124,8 +123,8 @@ struct LoopKernels {
 
 TEST(SolveLightTwin, KernelsOfAGpuGiveTheSolutionOfTheCpu) {
   for (const int64_t count : {0, 1, 2, 300, 3000}) {
-    const Room r = room(count);
-    const at::Tensor expected = solve(r);
+    const LitRoom r = lit_room(count);
+    const at::Tensor expected = solve_room(r);
     const LoopKernels kernels;
     const at::Tensor got =
         LightTwin(r.position, r.normal, r.albedo, r.emission, r.area, kernels).run();
@@ -136,8 +135,8 @@ TEST(SolveLightTwin, KernelsOfAGpuGiveTheSolutionOfTheCpu) {
 }
 
 TEST(SolveLightTwin, MarchesOneByOneAsManyAtOnce) {
-  const Room r = room(2000);
-  const radiosity::OccupancyGrid grid(triples(r.position), triples(r.normal), 0.1f);
+  const LitRoom r = lit_room(2000);
+  const radiosity::OccupancyGrid grid(as_triples(r.position), as_triples(r.normal), 0.1f);
   const radiosity::MarkedGrid& marked = grid.marked();
   std::vector<float> surfels;
   for (const radiosity::Surfel& s : marked.surfels) {
@@ -153,7 +152,7 @@ TEST(SolveLightTwin, MarchesOneByOneAsManyAtOnce) {
   for (int64_t i = 0; i < 40; ++i) {
     const float* a = r.position.const_data_ptr<float>() + 3 * (37 * i);
     std::vector<uint8_t> visible;
-    grid.see({a[0], a[1], a[2]}, triples(r.position), &visible);
+    grid.see({a[0], a[1], a[2]}, as_triples(r.position), &visible);
     for (int64_t j = 0; j < r.position.size(0); ++j) {
       const bool sees_it =
           sees(view, triple_at(a), triple_at(r.position.const_data_ptr<float>() + 3 * j));
@@ -166,20 +165,20 @@ TEST(SolveLightTwin, MarchesOneByOneAsManyAtOnce) {
 }
 
 TEST_P(SolveLight, PointsThatEmitCarryNone) {
-  const Room r = room(1500);
-  const at::Tensor light = solve(put_room(r)).cpu();
+  const LitRoom r = lit_room(1500);
+  const at::Tensor light = solve_room(put_room(r)).cpu();
   const at::Tensor emits = r.emission.amax({1}).gt(0);
   ASSERT_GT(emits.sum().item<int64_t>(), 1);
   EXPECT_EQ(light.index({emits}).abs().max().item<float>(), 0);
-  EXPECT_GT(light.narrow(1, Column::kIndirect, 3).mean().item<float>(), 0);
+  EXPECT_GT(light.narrow(1, SolvedColumn::kIndirect, 3).mean().item<float>(), 0);
 }
 
 TEST_P(SolveLight, RefusesBadInput) {
-  const Room good = put_room(room(10));
-  const auto refused = [&](Room r, const char* words) {
-    return throws_saying([&] { solve(r); }, words);
+  const LitRoom good = put_room(lit_room(10));
+  const auto refused = [&](LitRoom r, const char* words) {
+    return throws_saying([&] { solve_room(r); }, words);
   };
-  Room r = good;
+  LitRoom r = good;
   r.normal = put(at::zeros({9, 3}));
   EXPECT_TRUE(refused(r, "normal must be [10, 3]"));
   r = good;
@@ -194,12 +193,12 @@ TEST_P(SolveLight, RefusesBadInput) {
 }
 
 TEST(SolveLightOnTheCpu, RefusesWhatIsNotFinite) {
-  Room r = room(10);
+  LitRoom r = lit_room(10);
   r.emission[4][1] = NAN;
-  EXPECT_TRUE(throws_saying([&] { solve(r); }, "row 4 of emission"));
-  r = room(10);
+  EXPECT_TRUE(throws_saying([&] { solve_room(r); }, "row 4 of emission"));
+  r = lit_room(10);
   r.area[7] = INFINITY;
-  EXPECT_TRUE(throws_saying([&] { solve(r); }, "row 7 of area"));
+  EXPECT_TRUE(throws_saying([&] { solve_room(r); }, "row 7 of area"));
 }
 
 }  // namespace
