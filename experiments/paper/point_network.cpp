@@ -49,7 +49,7 @@ PointConvImpl::PointConvImpl(int64_t inputs, int64_t outputs)
     : weight_(register_module("weight", nn::Mlp(3, kWeightHidden, kWeights))),
       scale_(register_module("scale", nn::Mlp(1, kWeightHidden, 1))),
       output_(register_module("output", nn::Linear(inputs * kWeights, outputs))),
-      norm_(register_module("norm", nn::layer_norm(outputs))) {
+      norm_(register_module("norm", nn::LayerNorm(outputs))) {
   nn::initialize(output_, 1);
 }
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <torch/nn/module.h>
-#include <torch/nn/modules/normalization.h>
 #include <torch/nn/pimpl.h>
 
+#include "lte/nn/layer_norm.h"
 #include "lte/nn/mlp.h"
 #include "lte/nn/point_set.h"
 
@@ -40,7 +40,7 @@ class PointConvImpl : public torch::nn::Module {
  private:
   nn::Mlp weight_{nullptr}, scale_{nullptr};
   nn::Linear output_{nullptr};
-  torch::nn::LayerNorm norm_{nullptr};
+  nn::LayerNorm norm_{nullptr};
 };
 TORCH_MODULE(PointConv);
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include <torch/nn/module.h>
-#include <torch/nn/modules/normalization.h>
 #include <torch/nn/pimpl.h>
 
 #include "lte/base/enum_names.h"
+#include "lte/nn/layer_norm.h"
 #include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
 #include "lte/nn/model.h"
