@@ -17,8 +17,6 @@
 
 namespace lte::experiments {
 
-using namespace infer;
-
 namespace {
 
 constexpr Bound kExact{Figure::Max, 0};
