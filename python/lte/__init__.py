@@ -4,7 +4,7 @@ Units are those of the command-line tools: metres; radiance in W sr^-1 m^-2; irr
 not divided by pi; colors are linear Rec.709. Every answer is a function of its arguments and its
 seed, whatever the number of threads.
 
-Light is gathered or path-traced. The network needs lte's command-line tools, built with LibTorch.
+Light is gathered or path-traced. The network is in lte's command-line tools.
 """
 
 import json
@@ -334,8 +334,8 @@ def _made(scene: Scene) -> Any:
 
 def _integrator(word: str) -> str:
     if word == "network":
-        raise ValueError("integrator: this package has no network, which needs lte's command-line "
-                         "tools, built with LibTorch")
+        raise ValueError("integrator: this package has no network; lte's command-line tools have "
+                         "one")
     return choice("integrator", word, "gather", "path")
 
 
