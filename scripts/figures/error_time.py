@@ -23,6 +23,7 @@ import sys
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 330, 64, 190, 14, 44
 COLORS = {"path": "#777777", "denoised": "#1f6fb4", "gather": "#2b9348", "network": "#d9541e"}
 RESAMPLES = 2000
+LETTER, LINE = 6.3, 13  # of a label
 
 
 def fail(message):
@@ -129,12 +130,17 @@ def chart(methods):
         path = " L".join(f"{across(x):.1f} {up(y):.1f}" for _, (x, y) in line)
         if line:
             out.append(f'<path d="M{path}" fill="none" stroke="{COLORS[kind]}"/>')
-    for name, (x, y) in points.items():
+    placed = []
+    for name, (x, y) in sorted(points.items(), key=lambda point: up(point[1][1])):
         color = COLORS[kind_of(name)]
         out.append(f'<circle cx="{across(x):.1f}" cy="{up(y):.1f}" r="4" fill="{color}"/>')
         # Labels of neighbours on two sides, so that they stay legible.
-        below = 16 if kind_of(name) in ("path", "denoised") else -5
-        out.append(text(across(x) + 7, up(y) + below, name.replace("-", " "), color=color))
+        left, base = across(x) + 7, up(y) + (16 if kind_of(name) in ("path", "denoised") else -5)
+        right = left + LETTER * len(name)
+        while any(left < r and l < right and abs(base - b) < LINE for l, r, b in placed):
+            base += 1
+        placed.append((left, right, base))
+        out.append(text(left, base, name.replace("-", " "), color=color))
     return "\n".join([*out, "</svg>", ""])
 
 
