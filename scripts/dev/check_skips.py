@@ -22,6 +22,7 @@ WARRANTED = {
     "Engines.Three*": "no Chromium, or no three.js",  # scripts/setup.sh --tests takes the latter
     "Ktx2Files.PyKtx2*": "no pyktx2",  # scripts/setup.sh --tests installs it
     "OidnLibrary.*": "no Open Image Denoise",  # scripts/setup.sh installs it
+    "NcclGroup.*": "no CUDA device",
     "Videos.Ffmpeg*": "no ffmpeg",
     "TorchscriptExample.PythonGivesTheAnswersOfCpp": "no Python with PyTorch (LTE_TORCH_PYTHON)",
 }
