@@ -32,7 +32,12 @@ Surfels make_surfels(const PointSet& points, const at::Tensor& position, double 
   const at::Tensor back = (points.direct_back + points.indirect_back).div(unit);
   const at::Tensor front = (points.direct - points.direct_back).div(unit).clamp_min(0) + irradiance;
   const at::Tensor matt = points.albedo * (1 - metallic);
-  const at::Tensor radius = points.area.div(std::numbers::pi).sqrt().mul(kOverlap / scale);
+  // In double: libraries round square roots of floats each their own way.
+  const at::Tensor radius = points.area.to(at::kDouble)
+                                .div(std::numbers::pi)
+                                .sqrt()
+                                .mul(kOverlap / scale)
+                                .to(points.area.scalar_type());
   const at::Tensor table = at::cat({position, points.normal, radius.unsqueeze(1), matt * front,
                                     matt * back, points.emission.div(unit).mul(std::numbers::pi),
                                     points.albedo * metallic, metallic, roughness},
