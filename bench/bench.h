@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lte/cli/scene_flags.h"
-#include "lte/nn/precision.h"
+#include "lte/nn/blocks/precision.h"
 
 namespace c10 {
 struct Device;

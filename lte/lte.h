@@ -53,9 +53,9 @@
 #include "lte/scene/sampler.h"
 #if __has_include(<ATen/core/Tensor.h>)
 #include "lte/embed/embed.h"
+#include "lte/nn/files/model_file.h"
 #include "lte/nn/loss.h"
 #include "lte/nn/model.h"
-#include "lte/nn/model_file.h"
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"

@@ -81,12 +81,21 @@ ALLOWED = {
                             "lte/ops/cpu/dense"],
     "lte/ops/cpu/radiosity": ["lte/base", "lte/tensor", "lte/radiosity", "lte/ops"],
     "lte/ops/cuda": ["lte/base", "lte/tensor", "lte/radiosity", "lte/ops"],
-    "lte/nn": ["lte/base", "lte/tensor", "lte/ops"],
-    "lte/runtime": ["lte/base", "lte/tensor", "lte/ops", "lte/nn", "lte/data"],
+    "lte/nn": ["lte/base", "lte/tensor", "lte/ops", "lte/nn/*"],
+    "lte/nn/config": ["lte/base", "lte/ops"],
+    "lte/nn/constants": ["lte/base", "lte/ops"],
+    "lte/nn/blocks": ["lte/base", "lte/tensor", "lte/ops", "lte/nn/constants"],
+    "lte/nn/points": ["lte/base", "lte/tensor", "lte/ops", "lte/nn/config", "lte/nn/constants"],
+    "lte/nn/encoder": ["lte/base", "lte/tensor", "lte/ops", "lte/nn/config", "lte/nn/constants",
+                       "lte/nn/blocks"],
+    "lte/nn/decoder": ["lte/base", "lte/tensor", "lte/ops", "lte/nn/config", "lte/nn/constants",
+                       "lte/nn/blocks", "lte/nn/points", "lte/nn/encoder"],
+    "lte/nn/files": ["lte/base", "lte/tensor", "lte/nn", "lte/nn/config"],
+    "lte/runtime": ["lte/base", "lte/tensor", "lte/ops", "lte/nn/*", "lte/data"],
     # Scene files to embeddings.
     "lte/embed": ["lte/base", "lte/scene/*", "lte/pathtrace/*", "lte/data", "lte/radiosity",
                   "lte/runtime"],
-    "lte/torchscript": ["lte/base", "lte/radiosity", "lte/ops", "lte/nn"],
+    "lte/torchscript": ["lte/base", "lte/radiosity", "lte/ops", "lte/nn/*"],
     "lte/c_render": ["lte/c_api"],
     "lte/c_api": ["lte/c_render", "lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*",
                   "lte/render", "lte/runtime", "lte/embed"],
@@ -102,20 +111,20 @@ ALLOWED = {
                                                 "datagen/boxes", "datagen/homes", "datagen/wild"],
     "datagen/commands": LIBRARY_WITHOUT_TORCH + ["lte/cli/*", "datagen/bake", "datagen/dataset"],
     "datagen": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/commands"],
-    "train/config": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
+    "train/config": ["lte/base", "lte/ops", "lte/nn/*", "lte/data"],
     "train/log": ["lte/base", "lte/image"],
     "train/distributed": ["lte/base"],
-    "train/optim": ["lte/base", "lte/ops", "lte/nn", "train/config"],
-    "train/data": ["lte/base", "lte/cli", "lte/radiosity", "lte/nn", "lte/data", "train/config",
+    "train/optim": ["lte/base", "lte/ops", "lte/nn/*", "train/config"],
+    "train/data": ["lte/base", "lte/cli", "lte/radiosity", "lte/nn/*", "lte/data", "train/config",
                    "train/distributed"],
-    "train/checkpoint": ["lte/base", "lte/nn", "lte/data", "train/config", "train/data",
+    "train/checkpoint": ["lte/base", "lte/nn/*", "lte/data", "train/config", "train/data",
                          "train/optim"],
-    "train/loop": ["lte/base", "lte/cli", "lte/image", "lte/ops", "lte/nn", "lte/data",
+    "train/loop": ["lte/base", "lte/cli", "lte/image", "lte/ops", "lte/nn/*", "lte/data",
                    "train/config", "train/log", "train/distributed", "train/optim", "train/data",
                    "train/checkpoint"],
     # One scene by heart.
-    "train/fit": ["lte/base", "lte/scene/*", "lte/pathtrace/*", "lte/nn", "lte/runtime"],
-    "train/command": ["lte/base", "lte/cli/*", "lte/ops", "lte/nn", "lte/data", "lte/embed",
+    "train/fit": ["lte/base", "lte/scene/*", "lte/pathtrace/*", "lte/nn/*", "lte/runtime"],
+    "train/command": ["lte/base", "lte/cli/*", "lte/ops", "lte/nn/*", "lte/data", "lte/embed",
                       "train/config", "train/log", "train/distributed", "train/optim",
                       "train/loop", "train/fit"],
     "train": ["lte/base", "lte/cli", "train/command"],
@@ -138,12 +147,12 @@ EVAL = ["infer/eval/measure", "infer/eval/baselines", "infer/eval/evaluate", "in
 for depth, room in enumerate(EVAL):
     ALLOWED[room] = ALLOWED["infer/eval"] + EVAL[:depth]
 ALLOWED["infer/eval"] += EVAL
-ALLOWED["infer/export"] += ["lte/torchscript", "lte/nn"]
+ALLOWED["infer/export"] += ["lte/torchscript", "lte/nn/*"]
 ALLOWED["infer/render"] += ["infer/session"]
 ALLOWED["infer/bake"] += ["lte/bake", "lte/bake/formats"]
 # lte_bench times everything below it, and draws the chart of lte_render's pictures.
 ALLOWED["bench"] = (INFER + INFER_SHARED +
-                    ["lte/nn", "lte/ops", "lte/report", "lte/bake", "infer/render", "bench/*"])
+                    ["lte/nn/*", "lte/ops", "lte/report", "lte/bake", "infer/render", "bench/*"])
 ALLOWED["bench/pareto"] = ALLOWED["bench"] + ["infer/eval/measure"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "lte/base/config.h"
+#include "lte/nn/blocks/precision.h"
 #include "lte/nn/config.h"
 #include "lte/nn/loss_config.h"
-#include "lte/nn/precision.h"
 
 namespace lte::train {
 

@@ -10,8 +10,8 @@
 #include <torch/nn/pimpl.h>
 
 #include "experiments/paper/roadmap_model.h"
-#include "lte/nn/mlp.h"
-#include "lte/nn/query_decoder.h"
+#include "lte/nn/blocks/mlp.h"
+#include "lte/nn/decoder/query_decoder.h"
 
 namespace lte::experiments {
 

@@ -21,8 +21,8 @@
 #include "lte/base/file.h"
 #include "lte/base/process_memory.h"
 #include "lte/cli/numbers.h"
-#include "lte/nn/synthetic_room.h"
-#include "lte/nn/transformer_block.h"
+#include "lte/nn/encoder/transformer_block.h"
+#include "lte/nn/points/synthetic_room.h"
 
 namespace lte::experiments {
 namespace {

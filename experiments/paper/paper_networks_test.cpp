@@ -12,7 +12,7 @@
 #include "experiments/paper/point_network.h"
 #include "experiments/paper/roadmap_model.h"
 #include "experiments/paper/view_camera.h"
-#include "lte/nn/synthetic_room.h"
+#include "lte/nn/points/synthetic_room.h"
 
 namespace lte::experiments {
 namespace {

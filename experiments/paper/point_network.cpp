@@ -7,8 +7,8 @@
 #include <ATen/ATen.h>
 
 #include "lte/base/check.h"
-#include "lte/nn/query_decoder.h"
-#include "lte/nn/transformer_block.h"
+#include "lte/nn/decoder/query_decoder.h"
+#include "lte/nn/encoder/transformer_block.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/knn.h"

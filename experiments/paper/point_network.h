@@ -9,9 +9,9 @@
 #include <torch/nn/module.h>
 #include <torch/nn/pimpl.h>
 
-#include "lte/nn/layer_norm.h"
-#include "lte/nn/mlp.h"
-#include "lte/nn/point_set.h"
+#include "lte/nn/blocks/layer_norm.h"
+#include "lte/nn/blocks/mlp.h"
+#include "lte/nn/points/point_set.h"
 
 namespace lte::experiments {
 

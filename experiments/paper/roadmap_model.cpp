@@ -8,9 +8,9 @@
 
 #include "lte/nn/constants.h"
 #include "lte/nn/cost.h"
+#include "lte/nn/decoder/query_decoder.h"
+#include "lte/nn/encoder/transformer_block.h"
 #include "lte/nn/model_parts.h"
-#include "lte/nn/query_decoder.h"
-#include "lte/nn/transformer_block.h"
 #include "lte/ops/knn.h"
 
 namespace lte::experiments {

@@ -10,9 +10,9 @@
 #include <torch/nn/pimpl.h>
 
 #include "lte/base/enum_names.h"
-#include "lte/nn/layer_norm.h"
-#include "lte/nn/linear.h"
-#include "lte/nn/mlp.h"
+#include "lte/nn/blocks/layer_norm.h"
+#include "lte/nn/blocks/linear.h"
+#include "lte/nn/blocks/mlp.h"
 #include "lte/nn/model.h"
 
 namespace lte::experiments {

@@ -11,8 +11,8 @@
 
 namespace lte::nn {
 
-/// Columns that a query reads of the light around it (lte/nn/light_prior.h), without the error of
-/// estimates, which is one more.
+/// Columns that a query reads of the light around it (lte/nn/points/light_prior.h), without the
+/// error of estimates, which is one more.
 inline constexpr int64_t kLightFeatures = 12;
 /// Columns that F reads of the gloss of a scene point, its last ones.
 inline constexpr int64_t kGlossColumns = 2;
@@ -33,7 +33,7 @@ enum class Preset { Paper, Lte };
 /// estimated by a few paths, with the standard error of the latter (PointSet). `Radiosity` adds the
 /// same without errors, solved on the points themselves (lte/radiosity/point_radiosity.h). Networks
 /// that read light answer with a factor on what is interpolated between the points
-/// (lte/nn/light_prior.h).
+/// (lte/nn/points/light_prior.h).
 enum class LightInput { Emission, Traced, Radiosity };
 
 constexpr EnumNames<Preset, 2> enum_names(Preset) {
@@ -61,8 +61,8 @@ struct ModelConfig {
   int64_t query_layers = 6;
   LightInput light_input = LightInput::Emission;
   /// Functions of direction that the radiance decoder makes for each point
-  /// (lte/nn/radiance_decoder.h). 0: the model has no such decoder. Models with one read the gloss
-  /// of scene points (PointSet::gloss), and light.
+  /// (lte/nn/decoder/radiance_decoder.h). 0: the model has no such decoder. Models with one read
+  /// the gloss of scene points (PointSet::gloss), and light.
   int64_t radiance_lobes = 0;
   double scale = 16.0;  ///< s, metres: network space is (p − b_min)/s
   /// Training mean of the normalized target. It sets the output bias at initialization.

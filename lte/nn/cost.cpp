@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "lte/nn/blocks/recompute.h"
 #include "lte/nn/constants.h"
-#include "lte/nn/encoder_plan.h"
+#include "lte/nn/encoder/encoder_plan.h"
 #include "lte/nn/model.h"
-#include "lte/nn/recompute.h"
-#include "lte/nn/surfels.h"
+#include "lte/nn/points/surfels.h"
 
 namespace lte::nn {
 namespace {

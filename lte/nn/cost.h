@@ -14,7 +14,7 @@
 namespace lte::nn {
 
 class LightTransportModel;  // lte/nn/model.h
-struct EncoderPlan;         // lte/nn/encoder_plan.h
+struct EncoderPlan;         // lte/nn/encoder/encoder_plan.h
 
 // Parameters
 

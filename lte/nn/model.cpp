@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "lte/nn/attention_record.h"
 #include "lte/nn/constants.h"
 #include "lte/nn/cost.h"
+#include "lte/nn/encoder/attention_record.h"
 #include "lte/nn/model_parts.h"
 
 namespace lte::nn {

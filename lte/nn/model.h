@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "lte/nn/blocks/precision.h"
 #include "lte/nn/config.h"
-#include "lte/nn/light_prior.h"
-#include "lte/nn/point_set.h"
-#include "lte/nn/precision.h"
-#include "lte/nn/stage_health.h"
-#include "lte/nn/surfels.h"
+#include "lte/nn/encoder/stage_health.h"
+#include "lte/nn/points/light_prior.h"
+#include "lte/nn/points/point_set.h"
+#include "lte/nn/points/surfels.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/query_decoder.h"
 #include "lte/tensor/module.h"

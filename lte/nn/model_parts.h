@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "lte/nn/constants.h"
+#include "lte/nn/decoder/query_decoder.h"
+#include "lte/nn/decoder/radiance_decoder.h"
+#include "lte/nn/encoder/nearest_neighbour_embedding.h"
+#include "lte/nn/encoder/point_transformer.h"
 #include "lte/nn/model.h"
-#include "lte/nn/nearest_neighbour_embedding.h"
-#include "lte/nn/point_transformer.h"
-#include "lte/nn/query_decoder.h"
-#include "lte/nn/radiance_decoder.h"
 #include "lte/ops/query_decoder.h"
 #include "lte/tensor/functions.h"
 

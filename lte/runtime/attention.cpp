@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "lte/base/check.h"
-#include "lte/nn/attention_record.h"
+#include "lte/nn/encoder/attention_record.h"
 #include "lte/nn/model.h"
 #include "lte/nn/one_line_errors.h"
 #include "lte/ops/knn.h"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "lte/base/check.h"
-#include "lte/nn/attention_record.h"
+#include "lte/nn/encoder/attention_record.h"
 #include "lte/nn/model.h"
 #include "lte/runtime/solved_light.h"
 #include "lte/runtime/tensors.h"

@@ -4,8 +4,8 @@
 #include "lte/base/checksum.h"
 #include "lte/base/text.h"
 #include "lte/nn/cost.h"
+#include "lte/nn/files/model_file.h"
 #include "lte/nn/model.h"
-#include "lte/nn/model_file.h"
 #include "lte/runtime/torch_errors.h"
 #include "lte/runtime/torch_parts.h"
 

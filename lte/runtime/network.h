@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
+#include "lte/nn/blocks/precision.h"
 #include "lte/nn/config.h"
-#include "lte/nn/model_metadata.h"
-#include "lte/nn/precision.h"
+#include "lte/nn/files/model_metadata.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/limit_error.h"
 

@@ -1,7 +1,7 @@
 // Light on scene points for models that have it solved (nn::LightInput::Radiosity).
 #pragma once
 
-#include "lte/nn/point_set.h"
+#include "lte/nn/points/point_set.h"
 
 namespace lte::runtime {
 

@@ -3,7 +3,7 @@
 // and embedding.h.
 #pragma once
 
-#include "lte/nn/point_set.h"
+#include "lte/nn/points/point_set.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/embedding.h"
 #include "lte/tensor/tensor.h"

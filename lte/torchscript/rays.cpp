@@ -10,8 +10,8 @@
 namespace lte::torchscript {
 namespace {
 
-// The numbers of lte/nn/surfels.cpp and lte/ops/surfel_walk.h, which say what they are for. A test
-// holds the module's rays to those.
+// The numbers of lte/nn/points/surfels.cpp and lte/ops/surfel_walk.h, which say what they are for.
+// A test holds the module's rays to those.
 constexpr double kOverlap = 1.6, kDistanceShift = 1.6, kMinDistance = 1e-4;
 constexpr double kOwn = 0.1, kLayer = 0.5, kSpread = 0.35, kInside = 0.1, kMinMetal = 0.02;
 constexpr double kGoldenAngle = 2.3999632;

@@ -1,5 +1,6 @@
 // TorchScript source of the rays that radiance decoders cast among the scene points: what
-// lte/nn/surfels.h and lte/ops/surfel_walk.h do, with built-in operators alone and without a grid.
+// lte/nn/points/surfels.h and lte/ops/surfel_walk.h do, with built-in operators alone and without a
+// grid.
 #pragma once
 
 #include <string>

@@ -15,7 +15,7 @@
 #include "lte/base/file.h"
 #include "lte/base/timer.h"
 #include "lte/cli/cli.h"
-#include "lte/nn/synthetic_room.h"
+#include "lte/nn/points/synthetic_room.h"
 #include "lte/runtime/device.h"
 #include "tests/bench/eager_network.h"
 

@@ -10,7 +10,7 @@
 
 #include <ATen/core/Tensor.h>
 
-#include "lte/nn/encoder_plan.h"
+#include "lte/nn/encoder/encoder_plan.h"
 #include "lte/nn/model.h"
 
 namespace lte::bench {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "lte/nn/decoder/query_decoder.h"
 #include "lte/nn/model.h"
-#include "lte/nn/query_decoder.h"
 
 namespace lte::test {
 

@@ -1,5 +1,5 @@
 // What is recorded of attention against the passes that answer, and against definitions.
-#include "lte/nn/attention_record.h"
+#include "lte/nn/encoder/attention_record.h"
 
 #include <array>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lte/nn/encoder/transformer_block.h"
 #include "lte/nn/model.h"
-#include "lte/nn/transformer_block.h"
 #include "tests/nn/support.h"
 
 namespace lte::nn {

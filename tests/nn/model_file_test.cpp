@@ -1,4 +1,4 @@
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/safetensors.h"
-#include "lte/nn/model_metadata.h"
+#include "lte/nn/files/model_metadata.h"
 #include "tests/nn/support.h"
 #include "tests/support/temp_dir.h"
 

@@ -1,4 +1,4 @@
-#include "lte/nn/query_decoder.h"
+#include "lte/nn/decoder/query_decoder.h"
 
 #include <algorithm>
 #include <string>

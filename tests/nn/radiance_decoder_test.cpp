@@ -1,4 +1,4 @@
-#include "lte/nn/radiance_decoder.h"
+#include "lte/nn/decoder/radiance_decoder.h"
 
 #include <cmath>
 #include <numbers>
@@ -9,8 +9,8 @@
 
 #include "lte/base/safetensors.h"
 #include "lte/nn/cost.h"
-#include "lte/nn/model_file.h"
-#include "lte/nn/surfels.h"
+#include "lte/nn/files/model_file.h"
+#include "lte/nn/points/surfels.h"
 #include "tests/nn/support.h"
 #include "tests/support/temp_dir.h"
 

@@ -1,4 +1,4 @@
-#include "lte/nn/recompute.h"
+#include "lte/nn/blocks/recompute.h"
 
 #include <map>
 #include <string>
@@ -8,9 +8,9 @@
 #include <torch/csrc/autograd/autograd.h>
 
 #include "lte/nn/constants.h"
+#include "lte/nn/decoder/query_decoder.h"
+#include "lte/nn/encoder/nearest_neighbour_embedding.h"
 #include "lte/nn/model.h"
-#include "lte/nn/nearest_neighbour_embedding.h"
-#include "lte/nn/query_decoder.h"
 #include "tests/nn/support.h"
 
 namespace lte::nn {

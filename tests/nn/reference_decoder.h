@@ -8,7 +8,7 @@
 #include <ATen/core/Tensor.h>
 
 #include "lte/nn/config.h"
-#include "lte/nn/query_decoder.h"
+#include "lte/nn/decoder/query_decoder.h"
 
 namespace lte::test {
 

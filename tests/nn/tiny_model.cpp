@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "lte/nn/files/model_file.h"
 #include "lte/nn/model.h"
-#include "lte/nn/model_file.h"
 #include "lte/tensor/functions.h"
 #include "tests/nn/support.h"
 

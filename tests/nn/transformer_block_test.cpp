@@ -1,4 +1,4 @@
-#include "lte/nn/transformer_block.h"
+#include "lte/nn/encoder/transformer_block.h"
 
 #include <cmath>
 #include <complex>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lte/nn/nearest_neighbour_embedding.h"
+#include "lte/nn/encoder/nearest_neighbour_embedding.h"
 #include "lte/ops/knn.h"
 #include "tests/nn/support.h"
 

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "lte/tensor/functions.h"
 #include "tests/nn/support.h"
 #include "tests/runtime/spans.h"

@@ -9,7 +9,7 @@
 
 #include "lte/base/file.h"
 #include "lte/base/safetensors.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "lte/runtime/torch_parts.h"
 #include "lte/tensor/functions.h"
 #include "tests/nn/support.h"

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "lte/nn/cost.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "lte/radiosity/point_radiosity.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/torch_parts.h"

@@ -12,8 +12,8 @@
 #include <torch/csrc/jit/serialization/import.h>
 
 #include "lte/base/check.h"
-#include "lte/nn/model_file.h"
-#include "lte/nn/synthetic_room.h"
+#include "lte/nn/files/model_file.h"
+#include "lte/nn/points/synthetic_room.h"
 #include "lte/torchscript/network.h"
 #include "tests/support/temp_dir.h"
 #include "tests/torchscript/support.h"

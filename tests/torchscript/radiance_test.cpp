@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <torch/csrc/jit/serialization/import.h>
 
-#include "lte/nn/synthetic_room.h"
+#include "lte/nn/points/synthetic_room.h"
 #include "lte/torchscript/export.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temp_dir.h"

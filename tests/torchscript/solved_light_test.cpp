@@ -10,7 +10,7 @@
 
 #include "lte/embed/embed.h"
 #include "lte/embed/scene_points.h"
-#include "lte/nn/synthetic_room.h"
+#include "lte/nn/points/synthetic_room.h"
 #include "lte/ops/solve_light.h"
 #include "lte/scene/load.h"
 #include "lte/torchscript/export.h"

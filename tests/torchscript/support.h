@@ -7,7 +7,7 @@
 #include <ATen/ops/empty_like.h>
 #include <torch/utils.h>
 
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 
 namespace lte::test {
 

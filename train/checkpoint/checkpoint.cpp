@@ -10,8 +10,8 @@
 #include "lte/base/check.h"
 #include "lte/base/safetensors.h"
 #include "lte/base/version.h"
-#include "lte/nn/model_file.h"
-#include "lte/nn/tensor_io.h"
+#include "lte/nn/files/model_file.h"
+#include "lte/nn/files/tensor_io.h"
 
 namespace lte::train {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/safetensors.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "train/checkpoint/checkpoint.h"
 
 namespace lte::train {

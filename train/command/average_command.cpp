@@ -8,7 +8,7 @@
 #include "lte/base/check.h"
 #include "lte/base/safetensors.h"
 #include "lte/cli/command_files.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 
 namespace lte::train {
 

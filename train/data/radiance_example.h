@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "lte/base/random.h"
-#include "lte/nn/point_set.h"
+#include "lte/nn/points/point_set.h"
 #include "train/data/augment.h"
 #include "train/data/scene_store.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lte/nn/stage_health.h"
+#include "lte/nn/encoder/stage_health.h"
 
 namespace lte::train {
 

@@ -9,7 +9,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "train/checkpoint/first_model.h"
 #include "train/loop/config_changes.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lte/base/timer.h"
-#include "lte/nn/stage_health.h"
+#include "lte/nn/encoder/stage_health.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/config.h"
 #include "train/log/run_log.h"

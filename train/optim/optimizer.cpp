@@ -20,7 +20,7 @@
 #include <ATen/ops/zeros_like.h>
 
 #include "lte/base/check.h"
-#include "lte/nn/tensor_io.h"
+#include "lte/nn/files/tensor_io.h"
 #include "lte/ops/orthogonal.h"
 #include "train/optim/schedule.h"
 

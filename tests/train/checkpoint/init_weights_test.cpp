@@ -7,7 +7,7 @@
 #include "lte/base/check.h"
 #include "lte/base/half.h"
 #include "lte/base/safetensors.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "tests/train/run_fixture.h"
 #include "tests/train/tool_process.h"
 #include "train/checkpoint/first_model.h"

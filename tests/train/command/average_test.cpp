@@ -3,7 +3,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/safetensors.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temp_dir.h"
 #include "train/command/average_command.h"

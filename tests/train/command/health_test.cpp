@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "tests/train/run_fixture.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/command/health_command.h"

@@ -4,7 +4,7 @@
 #include <ATen/Parallel.h>
 
 #include "lte/base/safetensors.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "tests/train/run_fixture.h"
 
 namespace lte::train {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/base/safetensors.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "tests/train/run_fixture.h"
 #include "train/checkpoint/first_model.h"
 #include "train/data/batch.h"

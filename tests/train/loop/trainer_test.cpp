@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lte/base/safetensors.h"
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 #include "tests/train/run_fixture.h"
 
 namespace lte::train {

@@ -9,7 +9,7 @@
 #include <torch/utils.h>
 
 #include "lte/nn/cost.h"
-#include "lte/nn/tensor_io.h"
+#include "lte/nn/files/tensor_io.h"
 #include "tests/train/support.h"
 #include "train/optim/schedule.h"
 

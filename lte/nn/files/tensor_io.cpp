@@ -1,4 +1,4 @@
-#include "lte/nn/tensor_io.h"
+#include "lte/nn/files/tensor_io.h"
 
 #include <cstddef>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "lte/nn/attention_record.h"
+#include "lte/nn/encoder/attention_record.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "lte/nn/point_set.h"
+#include "lte/nn/points/point_set.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "lte/nn/transformer_block.h"
+#include "lte/nn/encoder/transformer_block.h"
 
 namespace lte::nn {
 

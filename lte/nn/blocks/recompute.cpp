@@ -1,4 +1,4 @@
-#include "lte/nn/recompute.h"
+#include "lte/nn/blocks/recompute.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "lte/nn/light_prior.h"
+#include "lte/nn/points/light_prior.h"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-#include "lte/nn/query_decoder.h"
+#include "lte/nn/decoder/query_decoder.h"
 
 namespace lte::nn {
 
@@ -30,7 +30,7 @@ class RadianceDecoderImpl : public torch::nn::Module {
   /// @param features    of query()
   /// @param directions  [Q, N, 3] world, unit, away from the point
   /// @param light       [Q, 3]
-  /// @param seen        [Q, N, kSeenColumns] (lte/nn/surfels.h)
+  /// @param seen        [Q, N, kSeenColumns] (lte/nn/points/surfels.h)
   /// @return            [Q, N, 3], non-negative, differentiable in features and parameters
   at::Tensor radiance(const at::Tensor& features, const at::Tensor& directions,
                       const at::Tensor& light, const at::Tensor& seen);

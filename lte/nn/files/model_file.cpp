@@ -1,4 +1,4 @@
-#include "lte/nn/model_file.h"
+#include "lte/nn/files/model_file.h"
 
 #include <algorithm>
 #include <sstream>
@@ -8,7 +8,7 @@
 #include "lte/base/log.h"
 #include "lte/base/safetensors.h"
 #include "lte/base/version.h"
-#include "lte/nn/tensor_io.h"
+#include "lte/nn/files/tensor_io.h"
 
 namespace lte::nn {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lte/nn/encoder_plan.h"
+#include "lte/nn/encoder/encoder_plan.h"
 #include "lte/tensor/tensor.h"
 
 namespace lte::nn {

@@ -1,4 +1,4 @@
-#include "lte/nn/stage_health.h"
+#include "lte/nn/encoder/stage_health.h"
 
 #include <cmath>
 #include <limits>

@@ -1,12 +1,12 @@
-#include "lte/nn/query_decoder.h"
+#include "lte/nn/decoder/query_decoder.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "lte/nn/blocks/recompute.h"
 #include "lte/nn/constants.h"
-#include "lte/nn/recompute.h"
-#include "lte/nn/transformer_block.h"
+#include "lte/nn/encoder/transformer_block.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/linear.h"
 #include "lte/ops/neighbour_sums.h"

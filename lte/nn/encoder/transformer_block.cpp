@@ -1,4 +1,4 @@
-#include "lte/nn/transformer_block.h"
+#include "lte/nn/encoder/transformer_block.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lte/nn/point_transformer.h"
+#include "lte/nn/encoder/point_transformer.h"
 
 #include <string>
 #include <utility>

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "lte/nn/encoder_plan.h"
-#include "lte/nn/mlp.h"
+#include "lte/nn/blocks/mlp.h"
+#include "lte/nn/encoder/encoder_plan.h"
 #include "lte/tensor/tensor.h"
 
 namespace lte::nn {

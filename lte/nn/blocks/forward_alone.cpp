@@ -1,5 +1,5 @@
 // Recomputation where nothing is differentiated: builds without LibTorch.
-#include "lte/nn/recompute.h"
+#include "lte/nn/blocks/recompute.h"
 
 namespace lte::nn {
 

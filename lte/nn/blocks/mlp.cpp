@@ -1,4 +1,4 @@
-#include "lte/nn/mlp.h"
+#include "lte/nn/blocks/mlp.h"
 
 #include <cmath>
 

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
-#include "lte/nn/attention_record.h"
-#include "lte/nn/encoder_plan.h"
-#include "lte/nn/layer_norm.h"
-#include "lte/nn/linear.h"
-#include "lte/nn/mlp.h"
+#include "lte/nn/blocks/layer_norm.h"
+#include "lte/nn/blocks/linear.h"
+#include "lte/nn/blocks/mlp.h"
+#include "lte/nn/encoder/attention_record.h"
+#include "lte/nn/encoder/encoder_plan.h"
 #include "lte/tensor/module.h"
 #include "lte/tensor/tensor.h"
 

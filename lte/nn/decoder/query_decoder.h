@@ -11,11 +11,11 @@
 #include <tuple>
 #include <vector>
 
-#include "lte/nn/attention_record.h"
+#include "lte/nn/blocks/layer_norm.h"
+#include "lte/nn/blocks/linear.h"
+#include "lte/nn/blocks/mlp.h"
 #include "lte/nn/config.h"
-#include "lte/nn/layer_norm.h"
-#include "lte/nn/linear.h"
-#include "lte/nn/mlp.h"
+#include "lte/nn/encoder/attention_record.h"
 #include "lte/ops/decoder_weights.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/query_decoder.h"

@@ -1,4 +1,4 @@
-#include "lte/nn/surfels.h"
+#include "lte/nn/points/surfels.h"
 
 #include <numbers>
 

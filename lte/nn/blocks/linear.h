@@ -1,8 +1,8 @@
 // torch::nn::Linear on lte::ops::linear: the same parameters, names and first values.
 #pragma once
 
-#include "lte/nn/precision.h"
-#include "lte/nn/recompute.h"
+#include "lte/nn/blocks/precision.h"
+#include "lte/nn/blocks/recompute.h"
 #include "lte/ops/decoder_weights.h"
 #include "lte/ops/linear.h"
 #include "lte/tensor/module.h"

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-#include "lte/nn/point_set.h"
+#include "lte/nn/points/point_set.h"
 #include "lte/ops/surfel_rays.h"
 #include "lte/tensor/tensor.h"
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "lte/nn/point_set.h"
+#include "lte/nn/points/point_set.h"
 
 namespace lte::nn {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lte/nn/attention_record.h"
+#include "lte/nn/encoder/attention_record.h"
 #include "lte/tensor/tensor.h"
 
 namespace lte::nn {

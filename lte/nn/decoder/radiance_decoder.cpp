@@ -1,8 +1,8 @@
-#include "lte/nn/radiance_decoder.h"
+#include "lte/nn/decoder/radiance_decoder.h"
 
 #include <cmath>
 
-#include "lte/nn/surfels.h"
+#include "lte/nn/points/surfels.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/lobe_radiance.h"
 #include "lte/tensor/functions.h"

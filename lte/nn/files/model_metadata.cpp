@@ -1,4 +1,4 @@
-#include "lte/nn/model_metadata.h"
+#include "lte/nn/files/model_metadata.h"
 
 #include <charconv>
 

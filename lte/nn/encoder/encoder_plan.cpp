@@ -1,4 +1,4 @@
-#include "lte/nn/encoder_plan.h"
+#include "lte/nn/encoder/encoder_plan.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "lte/nn/synthetic_room.h"
+#include "lte/nn/points/synthetic_room.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "lte/nn/linear.h"
+#include "lte/nn/blocks/linear.h"
 #include "lte/ops/decoder_weights.h"
 
 namespace lte::nn {

@@ -1,10 +1,10 @@
-#include "lte/nn/nearest_neighbour_embedding.h"
+#include "lte/nn/encoder/nearest_neighbour_embedding.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "lte/nn/recompute.h"
+#include "lte/nn/blocks/recompute.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/neighbour_max.h"
 
