@@ -96,9 +96,9 @@ CLI::App* add_scenes_command(CLI::App& app, ScenesRequest* r) {
   command
       ->add_option(
           "--methods", r->methods,
-          concat("Any of network (rays gather its light), decoded (its answer at every pixel "
-                 "without rays, as programs without a BVH get it from the C interface), "
-                 "gather (as --quality preview), gather-draft, gather-final, paths-N, "
+          concat("Any of network (rays gather its light) and gather, as --quality preview or with "
+                 "-draft or -final behind them; decoded (the network at every pixel without rays, "
+                 "as programs without a BVH get it from the C interface); paths-N, "
                  "paths-N-denoised; default: ",
                  kDefaultSceneMethods))
       ->delimiter(',')

@@ -29,11 +29,11 @@ std::optional<std::pair<int, bool>> parse_paths(const std::string& word) {
   return std::pair(paths, denoised);
 }
 
-/// "gather", at --quality preview, or "gather-" and another quality.
-std::optional<Quality> parse_gather(const std::string& word) {
-  if (word == "gather") return Quality::Preview;
+/// `name`, at --quality preview, or `name`, "-" and another quality.
+std::optional<Quality> parse_quality(const std::string& word, const std::string& name) {
+  if (word == name) return Quality::Preview;
   for (const Quality quality : {Quality::Draft, Quality::Final}) {
-    if (word == concat("gather-", enum_name(quality))) return quality;
+    if (word == concat(name, "-", enum_name(quality))) return quality;
   }
   return std::nullopt;
 }
@@ -46,21 +46,22 @@ SceneMethod method_of(const std::string& word, const SceneModel* model) {
   SceneMethod out;
   out.name = model != nullptr ? word + " " + model->name : word;
   out.model = model;
-  if (word == "network") {
+  if (const auto with_model = parse_quality(word, "network")) {
     out.kind = SceneMethodKind::Network;
+    out.quality = *with_model;
     out.settings = gather_words(out.quality, "a cache of the network's light");
   } else if (word == "decoded") {
     out.kind = SceneMethodKind::Decoded;
     out.settings = "the network decoded at every pixel; direct light as --quality preview";
-  } else if (const auto quality = parse_gather(word)) {
+  } else if (const auto without = parse_quality(word, "gather")) {
     out.kind = SceneMethodKind::Gather;
-    out.quality = *quality;
+    out.quality = *without;
     out.settings = gather_words(out.quality, "a cache of path-traced light");
   } else {
     const auto paths = parse_paths(word);
     LTE_CHECK(paths.has_value(), "--methods: \"", word,
-              "\" is no method: expected network, decoded, gather, gather-draft, gather-final, "
-              "paths-N or paths-N-denoised, such as paths-16");
+              "\" is no method: expected network, gather, either with -draft or -final behind it, "
+              "decoded, paths-N or paths-N-denoised, such as paths-16");
     out.paths = paths->first;
     out.kind = paths->second ? SceneMethodKind::DenoisedPaths : SceneMethodKind::Paths;
     out.settings = concat(out.paths, " paths a pixel", paths->second ? ", denoised" : "");
@@ -77,7 +78,9 @@ class Stopwatch {
   double began_ = processor_seconds();
 };
 
-bool asks_model(const std::string& word) { return word == "network" || word == "decoded"; }
+bool asks_model(const std::string& word) {
+  return word == "decoded" || parse_quality(word, "network").has_value();
+}
 
 /// @param out  the picture's size and what else all methods share
 RenderSettings settings_of(const SceneMethod& method, RenderSettings out) {

@@ -41,14 +41,14 @@ struct SceneMethod {
 
 /// What --methods has by default.
 inline constexpr const char* kDefaultSceneMethods =
-    "network,decoded,gather-draft,gather,gather-final,paths-16,paths-16-denoised";
+    "network,network-final,decoded,gather-draft,gather,gather-final,paths-16,paths-16-denoised";
 
 /// Whether words name a method that asks a model.
 bool asks_models(const std::vector<std::string>& words);
 
-/// The methods of the words network and decoded (of each model), gather, gather-draft,
-/// gather-final, paths-N and paths-N-denoised, in the order of the words, those of a model
-/// together.
+/// The methods of the words network, network-draft, network-final and decoded (of each model),
+/// gather, gather-draft, gather-final, paths-N and paths-N-denoised, in the order of the words,
+/// those of a model together.
 /// @param models  must outlive the methods
 /// @throws lte::Error naming the word that is none
 std::vector<SceneMethod> scene_methods(const std::vector<std::string>& words,
