@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Fails on a header that does not compile alone, with the flags of a source beside it.
 
-usage: scripts/dev/check_headers.py [--build build] [--jobs N] [--all] [--no-pch] [HEADER ...]
+usage: scripts/dev/check_headers.py [--build build] [--jobs N] [--all] [--no-pch]
+                                    [--base REVISION | HEADER ...]
 
 A header that the source of its own name includes before all else has passed already: the build
 compiles that source. Each of the others becomes a translation unit of one #include, which the
@@ -13,7 +14,8 @@ once: 2 seconds each. That hides a missing include of what LibTorch's umbrella h
 build's own precompiled header does; --no-pch finds those too, and then looks at all headers.
 
 A header that has passed is not looked at again until it, a header of ours that it includes, or its
-flags change (the record is headers.json in the build folder); --all forgets the record.
+flags change (the record is headers.json in the build folder); --all forgets the record. --base
+looks at the headers alone that differ from a revision and those that include one of them directly.
 """
 import argparse
 import concurrent.futures
@@ -44,6 +46,18 @@ GCC_ALONE = re.compile(
 def all_headers() -> list[str]:
     found = (path for top in FOLDERS for path in (ROOT / top).rglob("*.h"))
     return sorted(path.relative_to(ROOT).as_posix() for path in found)
+
+
+def changed_headers(base: str) -> list[str]:
+    """Headers that differ from a revision, and those that include one of them directly."""
+    done = subprocess.run(["git", "diff", "--name-only", base, "--", "*.h"], cwd=ROOT,
+                          capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"check_headers.py: --base: {done.stderr.splitlines()[0]}")
+    changed = set(done.stdout.split())
+    return [header for header in all_headers()
+            if header in changed
+            or changed.intersection(OWN_INCLUDE.findall((ROOT / header).read_text()))]
 
 
 def words_of(command: str) -> list[str]:
@@ -157,10 +171,13 @@ def main() -> int:
     parser.add_argument("headers", nargs="*")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--base", help="look at what differs from this revision alone")
     parser.add_argument("--all", action="store_true", help="forget which ones have passed")
     parser.add_argument("--no-pch", action="store_true", help="without precompiled headers")
     parser.add_argument("--times", action="store_true", help="print the seconds of each header")
     args = parser.parse_args()
+    if args.base and args.headers:
+        parser.error("--base and names of headers exclude each other")
     if not (args.build / "compile_commands.json").exists():
         sys.exit(f"check_headers.py: {args.build} is not configured: cmake --preset release")
     flags = Flags(args.build)
@@ -173,7 +190,7 @@ def main() -> int:
 
     start = time.monotonic()
     seen: dict[str, set[str]] = {}
-    headers = args.headers or all_headers()
+    headers = args.headers or (changed_headers(args.base) if args.base else all_headers())
     todo, left_out, built = [], [], 0
     for header in headers:
         if not (args.headers or args.no_pch) and built_first(header, flags.sources):
