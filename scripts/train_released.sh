@@ -3,9 +3,9 @@
 #
 #   scripts/train_released.sh [--rehearse] MODEL [FOLDER]
 #
-# MODEL is lte, lte-base, lte-large, lte-hybrid or lte-radiance. FOLDER (data/released by default)
-# takes the data and the run. A run that was stopped goes on where it was when the same line is
-# given again. At its end the model, its configuration, its log, its card and its provenance are in
+# MODEL is lte, lte-base, lte-large or lte-radiance. FOLDER (data/released by default) takes the
+# data and the run. A run that was stopped goes on where it was when the same line is given again.
+# At its end the model, its configuration, its log, its card and its provenance are in
 # FOLDER/release: figures on the shipped test homes and on test boxes, and of lte-radiance on glossy
 # rooms. Many hours of two cores; a quarter of an hour for lte-radiance. All but lte and lte-base
 # start from the shipped lte-base. lte-large wants a GPU.
@@ -32,7 +32,7 @@ if [ "${1:-}" = --rehearse ]; then
     --set train.log_every=1)
 fi
 case ${1:-} in
-  lte | lte-base | lte-large | lte-hybrid | lte-radiance) ;;
+  lte | lte-base | lte-large | lte-radiance) ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac

@@ -105,7 +105,7 @@ CLI::App* add_scenes_command(CLI::App& app, ScenesRequest* r) {
       ->allow_extra_args(false);
   command
       ->add_option("--checkpoint", r->checkpoints,
-                   "A model, repeatable; by default lte-base, lte-hybrid and lte-large")
+                   "A model, repeatable; by default lte-base and lte-large")
       ->allow_extra_args(false);
   command->add_option("--size", r->size, "Picture size")
       ->check(CLI::Validator(check_picture_size, "WxH"))

@@ -14,9 +14,8 @@ namespace lte {
 /// @throws lte::Error that lists where it looked.
 std::filesystem::path asset_path(const std::string& relative, const std::string& instead);
 
-/// The model of every tool without --checkpoint: the shipped one with the least error, at home and
-/// outside.
-inline constexpr const char* kDefaultModel = "models/lte-hybrid.safetensors";
+/// The model of every tool without --checkpoint.
+inline constexpr const char* kDefaultModel = "models/lte-base.safetensors";
 
 /// Returns `checkpoint`, or kDefaultModel where it lies if that is empty.
 std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint);

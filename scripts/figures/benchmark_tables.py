@@ -142,8 +142,7 @@ TABLES = (
            ("least", "least"), ("whole picture: MSE / mean²", "whole.mse"), ("FLIP", "whole.flip"),
            ("SSIM", "whole.ssim"), ("CPU s", "cpu_seconds"))),
     Table("pictures", (
-        pareto("plain", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240", "denoised,gather,network"),
-        pareto("lte-hybrid", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240", "network", "lte-hybrid")),
+        pareto("plain", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240", "denoised,gather,network"),),
           picture_rows,
           (("method", "method"),) + scene_columns(
               (("living_room", "living room"), ("cornell_box", "Cornell box")),

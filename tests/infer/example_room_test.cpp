@@ -102,7 +102,7 @@ TEST(ExampleRoom, TheShippedModelsPictureIsThePathTracers) {
   const test::TempDir folder;
   const std::string pfm = (folder.path() / "room.pfm").string(),
                     command = concat(LTE_BINARY_DIR
-                                     "/bin/render_room assets/models/lte-hybrid.safetensors '",
+                                     "/bin/render_room assets/models/lte-base.safetensors '",
                                      (folder.path() / "room.ppm").string(), "' '", pfm, "' ",
                                      kWidth, ' ', kHeight);
   ASSERT_EQ(std::system(command.c_str()), 0) << command;

@@ -38,9 +38,9 @@ done
 "$bin/lte_train" --config configs/train/demo.yaml --dry-run >/dev/null
 "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --out "$scratch/cornell.png"
 # The model that the tool takes by itself is the installed one: without it that is what is missed.
-echo damaged >assets/models/lte-hybrid.safetensors
+echo damaged >assets/models/lte-base.safetensors
 if "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --integrator network \
     --out "$scratch/none.png" 2>"$scratch/said"; then
   echo "install: lte_render does not read the installed model"; exit 1
 fi
-grep -q "$scratch/prefix/share/lte/assets/models/lte-hybrid.safetensors" "$scratch/said"
+grep -q "$scratch/prefix/share/lte/assets/models/lte-base.safetensors" "$scratch/said"
