@@ -30,7 +30,9 @@ def neighbour_sums(self, table: Tensor, hidden: Tensor, weight: Tensor, bias: Te
 )SCRIPT";
 
 // Scalar types are numbers here, as in TorchScript's own serialization: 3 int32, 4 int64, 6
-// float32.
+// float32, 7 float64. Equal distances go to the lower index, as the operators have it: torch.max
+// finds the first, but torch.topk any. So distances grow by 2^-50 of themselves a row, less than
+// float32 tells apart for up to 2^25 points, and those of 0 by less than any other.
 constexpr const char* kPortableGeometry = R"SCRIPT(
 def farthest_points(self, points: Tensor, count: int) -> Tuple[Tensor, Tensor]:
     picks = torch.zeros([count], dtype=4, device=points.device)
@@ -50,13 +52,17 @@ def farthest_points(self, points: Tensor, count: int) -> Tuple[Tensor, Tensor]:
 
 def nearest(self, queries: Tensor, points: Tensor, k: int) -> Tensor:
     columns = min(k, points.size(0))
-    block = max(1, 4194304 // points.size(0))
+    block = max(1, 2097152 // points.size(0))
+    row = torch.arange(points.size(0), dtype=7, device=points.device)
+    later = 1.0 + row * 8.881784197001252e-16
+    nudge = row * 1e-60
     found: List[Tensor] = [torch.zeros([0, columns], dtype=4, device=points.device)]
     begin = 0
     while begin < queries.size(0):
         d = queries[begin:begin + block].unsqueeze(1) - points.unsqueeze(0)
         d = d * d
-        _, index = torch.topk(d[:, :, 0] + d[:, :, 1] + d[:, :, 2], columns, 1, False, True)
+        d = (d[:, :, 0] + d[:, :, 1] + d[:, :, 2]).to(7) * later + nudge
+        _, index = torch.topk(d, columns, 1, False, True)
         found.append(index)
         begin += block
     return torch.cat(found)

@@ -108,6 +108,36 @@ TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
             1e-5 * expected.abs().max().item<double>());
 }
 
+/// On a grid nearly all distances have equals; which of them are picked and read must not differ.
+TEST(PortableExport, TakesTheSameOfEqualDistances) {
+  const test::TempDir folder;
+  const std::filesystem::path model_file =
+      save_untrained(folder.path(), small_config(nn::Preset::Paper));
+  const at::NoGradGuard no_grad;
+  nn::PointSet points = nn::synthetic_room(1'024, 3);
+  points.emission.slice(0, 0, 32).fill_(5);
+  const at::Tensor number = at::arange(1'024);
+  points.position =
+      at::stack(
+          {number.remainder(16), number.div(16, "floor").remainder(8), number.div(128, "floor")}, 1)
+          .to(at::kFloat)
+          .div(8);
+  const at::Tensor rows = at::cat(
+      {points.position, points.normal, points.albedo, points.emission, points.area.unsqueeze(1)},
+      1);
+  const at::Tensor queries = rows.slice(1, 0, 9).slice(0, 0, 500);
+  nn::LightTransportModel model = nn::load_model(model_file);
+  const at::Tensor expected =
+      model->decode(model->encode(nn::in_canonical_order(points)),
+                    {queries.slice(1, 0, 3), queries.slice(1, 3, 6), queries.slice(1, 6, 9)});
+  export_torchscript({model_file.string(), folder.path() / "model.pt", true, {}});
+  torch::jit::Module module = torch::jit::load((folder.path() / "model.pt").string());
+  const at::Tensor got = module.forward({rows, queries}).toTensor();
+  ASSERT_GT(expected.abs().max().item<double>(), 0);
+  EXPECT_LT((got - expected).abs().max().item<double>(),
+            1e-5 * expected.abs().max().item<double>());
+}
+
 TEST(PortableExport, CarriesConfigurationAndNormalization) {
   const test::TempDir folder;
   const nn::ModelConfig config = small_config(nn::Preset::Lte);
