@@ -14,7 +14,6 @@
 #include "infer/renderer/renderer.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "lte/base/safetensors.h"
 #include "lte/cli/assets.h"
 #include "lte/cli/cli.h"
 #include "lte/cli/scene_source.h"
@@ -27,7 +26,7 @@ using namespace infer;
 namespace {
 
 struct Request : SceneSource {
-  std::string checkpoint, references, arrays;  ///< empty: as the help says
+  std::string checkpoint, references;  ///< empty: as the help says
   QueryOptions queries;
   TableOptions tables;
   MeasureOptions measure;
@@ -62,28 +61,6 @@ void print(const Measured& measured) {
                 row.mean_ratio, row.microseconds);
 }
 
-void write_arrays(const std::string& path, const Queries& queries, const RayRecord& record,
-                  int rays) {
-  SafetensorsWriter writer;
-  const auto points = static_cast<int64_t>(queries.position.size());
-  const auto add = [&](const std::string& name, std::vector<int64_t> shape,
-                       const std::vector<Rgb>& values) {
-    shape.push_back(3);
-    writer.add(name, std::move(shape), reinterpret_cast<const float*>(values.data()));
-  };
-  add("albedo", {points}, queries.albedo);
-  add("a", {points}, queries.references.a);
-  add("b", {points}, queries.references.b);
-  add("few", {points}, queries.references.few);
-  add("prior", {points}, record.prior);
-  add("decoded", {points}, record.decoded);
-  for (size_t i = 0; i < record.tables.size(); ++i)
-    add("rays/" + record.tables[i], {points, rays}, record.gathers[i].value);
-  // The first rays are the same whatever they read.
-  writer.add("distance", {points, rays}, record.gathers.front().distance.data());
-  writer.write(path);
-}
-
 void add_options(CLI::App& app, Request* r) {
   app.add_option("SCENE", r->scene, "Scene file")->required();
   add_scene_options(app, r);
@@ -110,8 +87,6 @@ void add_options(CLI::App& app, Request* r) {
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 16))
       ->capture_default_str();
-  app.add_option("--arrays", r->arrays,
-                 "Write references, answers and the 16 rays of each point here: .safetensors");
   app.add_option("--seed", r->seed, "Of everything")->capture_default_str();
   add_common_options(app, &r->common);
 }
@@ -121,7 +96,6 @@ void run(Request request) {
   CommandFiles files;
   claim_scene(request, &files);
   files.reads("--checkpoint", request.checkpoint);
-  files.writes("--arrays", request.arrays);
   files.writes("--references", request.references);
   bench::begin_command(request.common, &files);
   const scene::Scene scene = load_source(request);
@@ -140,13 +114,9 @@ void run(Request request) {
       renderer.bvh(), network, embedding, embed::SurfacePlaces{queries.position, queries.normal});
   renderer.embed(network, embedding);
   const LightTables maker(traced, request.tables);
-  RayRecord record;
-  const Measured measured =
-      measure(traced, maker, maker.make(renderer.embedding()), renderer.embedding(), queries,
-              request.measure, request.arrays.empty() ? nullptr : &record);
+  const Measured measured = measure(traced, maker, maker.make(renderer.embedding()),
+                                    renderer.embedding(), queries, request.measure);
   print(measured);
-  if (!request.arrays.empty())
-    write_arrays(request.arrays, queries, record, request.measure.kept_rays);
   if (!request.common.json.empty())
     write_file(request.common.json, json_of(request, maker, measured).dump(2) + '\n');
 }

@@ -4,11 +4,12 @@
 
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
+#include "lte/gi/gather.h"
 
 namespace lte::experiments {
 namespace {
 
-constexpr uint64_t kGather = 21, kAgain = 22, kKept = 23;
+constexpr uint64_t kGather = 21, kAgain = 22;
 
 AnswerRow row(const PointErrors& errors, const std::string& name, int rays,
               const std::vector<Rgb>& answers, double seconds) {
@@ -47,7 +48,7 @@ void measure_table(const render::TracedScene& scene, const gi::IrradianceCache& 
 
 Measured measure(const render::TracedScene& scene, const LightTables& maker,
                  const std::vector<LightTable>& tables, const runtime::SceneEmbedding& embedding,
-                 const Queries& queries, const MeasureOptions& options, RayRecord* record) {
+                 const Queries& queries, const MeasureOptions& options) {
   const PointErrors errors(queries.references);
   const runtime::QueryPoints points{queries.position, queries.normal, queries.albedo};
   Measured out;
@@ -58,22 +59,8 @@ Measured measure(const render::TracedScene& scene, const LightTables& maker,
   start = processor_seconds();
   const std::vector<Rgb> decoded = embedding.decode(points);
   out.answers.push_back(row(errors, "decoded", 0, decoded, processor_seconds() - start));
-  if (record != nullptr) {
-    record->prior = prior;
-    record->decoded = decoded;
-  }
-  gi::GatherOptions kept;
-  kept.rays = options.kept_rays;
-  kept.max_depth = options.max_depth;
-  kept.seed = hash_combine(options.seed, kKept);
-  for (const LightTable& table : tables) {
-    const gi::IrradianceCache cache = maker.cache_of(table);
-    measure_table(scene, cache, table, queries, errors, options, &out);
-    if (record == nullptr) continue;
-    record->tables.push_back(table.name);
-    record->gathers.push_back(
-        gather_rays(scene.bvh, scene.lights, cache, queries.position, queries.normal, kept));
-  }
+  for (const LightTable& table : tables)
+    measure_table(scene, maker.cache_of(table), table, queries, errors, options, &out);
   return out;
 }
 

@@ -7,7 +7,6 @@
 
 #include "experiments/gathered_base/light_tables.h"
 #include "experiments/gathered_base/queries.h"
-#include "experiments/gathered_base/ray_gather.h"
 
 namespace lte::experiments {
 
@@ -32,24 +31,14 @@ struct Measured {
   std::vector<TableRow> tables;
 };
 
-/// What a learned combination of the answers is fitted to, [points] each, and the rays of a gather
-/// over some tables.
-struct RayRecord {
-  std::vector<Rgb> prior, decoded;
-  std::vector<std::string> tables;
-  std::vector<RayGather> gathers;
-};
-
 struct MeasureOptions {
   std::vector<int> rays{4, 8, 16, 64};
-  int kept_rays = 16;  ///< of RayRecord
   int max_depth = 5;
   uint64_t seed = 0;
 };
 
-/// @param record  filled unless null
 Measured measure(const render::TracedScene& scene, const LightTables& maker,
                  const std::vector<LightTable>& tables, const runtime::SceneEmbedding& embedding,
-                 const Queries& queries, const MeasureOptions& options, RayRecord* record);
+                 const Queries& queries, const MeasureOptions& options);
 
 }  // namespace lte::experiments
