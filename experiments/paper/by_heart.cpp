@@ -7,19 +7,17 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 #include <torch/types.h>
 
-#include "bench/begin_command.h"
 #include "experiments/paper/by_heart_models.h"
 #include "experiments/paper/commands.h"
-#include "infer/tool/tool_options.h"
+#include "experiments/paper/trial.h"
 #include "lte/base/check.h"
-#include "lte/base/file.h"
 #include "lte/base/timer.h"
-#include "lte/cli/numbers.h"
 #include "lte/nn/cost.h"
 #include "lte/nn/model_parts.h"
 #include "lte/ops/farthest_point.h"
@@ -33,12 +31,9 @@ constexpr int64_t kHeldOutEvery = 10;  // of the queries
 constexpr int kLooks = 8;              // at the held-out error in the course of the time
 constexpr double kGridRate = 1e-2, kLatentRate = 3e-3;
 
-struct Request {
+struct Request : Trial {
   std::string sample, method = "grid";
-  double seconds = 30;
   int64_t batch = 4096, log2_entries = 15, queries = 0;
-  uint64_t seed = 1;
-  CommonOptions common;
 };
 
 /// The scene's queries in the two parts that are learnt and held out, and where latents may lie.
@@ -134,59 +129,46 @@ nlohmann::json learn(ByHeartImpl& network, const Task& task, const Request& requ
 }
 
 void run(const Request& request) {
-  CommandFiles files;
-  files.reads("SAMPLE", request.sample);
-  bench::begin_command(request.common, &files);
-  torch::manual_seed(request.seed);
+  begin_trial(request, request.sample);
   const Task task = make_task(request);
   const std::shared_ptr<ByHeartImpl> network = make_network(request, task);
-  int64_t parameters = 0;
-  for (const at::Tensor& parameter : network->parameters()) parameters += parameter.numel();
   const double first = relative_error(*network, task, task.held_out);
   const nlohmann::json looks = learn(*network, task, request);
   const int64_t every =
       std::max<int64_t>(1, task.learnt.size(0) / std::max<int64_t>(1, task.held_out.size(0)));
   const at::Tensor seen = task.learnt.slice(0, 0, task.learnt.size(0), every);
-  const nlohmann::json json = {{"method", request.method},
-                               {"log2_entries", request.log2_entries},
-                               {"seed", request.seed},
-                               {"learnt_queries", task.learnt.size(0)},
-                               {"held_out_queries", task.held_out.size(0)},
-                               {"latents", task.anchor.position.size(0)},
-                               {"parameters", parameters},
-                               {"first_relmse", first},
-                               {"looks", looks},
-                               {"learnt_relmse", relative_error(*network, task, seen)}};
+  nlohmann::json json = {{"method", request.method},
+                         {"log2_entries", request.log2_entries},
+                         {"learnt_queries", task.learnt.size(0)},
+                         {"held_out_queries", task.held_out.size(0)},
+                         {"latents", task.anchor.position.size(0)},
+                         {"parameters", trained_parameters(*network)},
+                         {"first_relmse", first},
+                         {"looks", looks},
+                         {"learnt_relmse", relative_error(*network, task, seen)}};
   std::printf("%s: relative error %.4g at first, %.4g held out\n", request.method.c_str(), first,
               looks.back()["held_out_relmse"].get<double>());
-  if (!request.common.json.empty()) write_file(request.common.json, json.dump(1) + "\n");
+  write_report(request, std::move(json));
+}
+
+void add_flags(CLI::App& command, Request* request) {
+  command.add_option("SAMPLE", request->sample, "Sample file of lte_datagen bake")->required();
+  add_choice(command, "--method", &request->method, {"grid", "latents-mean", "latents-decoder"},
+             "What learns");
+  add_seconds_option(command, request);
+  add_count(command, "--batch", &request->batch, 1, "Queries of a step");
+  add_count(command, "--queries", &request->queries, 0, "Queries that are learnt; 0: nine in ten");
+  command.add_option("--log2-entries", request->log2_entries, "Of a level of the grid")
+      ->check(CLI::Range(4, 24))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 std::function<void()> add_by_heart(CLI::App* app) {
-  const auto request = std::make_shared<Request>();
-  CLI::App* command = app->add_subcommand(
-      "by-heart", "Learn the irradiance of one scene, and measure it where it was not shown");
-  command->add_option("SAMPLE", request->sample, "Sample file of lte_datagen bake")->required();
-  command->add_option("--method", request->method, "grid, latents-mean or latents-decoder")
-      ->check(CLI::IsMember({"grid", "latents-mean", "latents-decoder"}))
-      ->capture_default_str();
-  command->add_option("--seconds", request->seconds, "Processor time of training")
-      ->check(positive_number())
-      ->capture_default_str();
-  command->add_option("--batch", request->batch, "Queries of a step")
-      ->check(positive_number())
-      ->capture_default_str();
-  command->add_option("--queries", request->queries, "Queries that are learnt; 0: nine in ten")
-      ->check(non_negative_number())
-      ->capture_default_str();
-  command->add_option("--log2-entries", request->log2_entries, "Of a level of the grid")
-      ->check(CLI::Range(4, 24))
-      ->capture_default_str();
-  command->add_option("--seed", request->seed, "Of weights and batches")->capture_default_str();
-  add_common_options(*command, &request->common);
-  return [request] { run(*request); };
+  return add_trial<Request>(
+      app, "by-heart", "Learn the irradiance of one scene, and measure it where it was not shown",
+      add_flags, run);
 }
 
 }  // namespace lte::experiments

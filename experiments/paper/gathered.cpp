@@ -3,18 +3,15 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <memory>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "bench/begin_command.h"
 #include "experiments/paper/commands.h"
+#include "experiments/paper/trial.h"
 #include "experiments/paper/view_scores.h"
 #include "infer/eval/baselines/denoised_paths.h"
-#include "lte/base/file.h"
-#include "lte/cli/numbers.h"
 #include "lte/gi/gather.h"
 #include "lte/image/denoise.h"
 #include "lte/render/integrator.h"
@@ -23,16 +20,12 @@
 namespace lte::experiments {
 namespace {
 
-struct Request {
-  std::string data;
+struct Request : Trial {
   int64_t rays = 16;
-  uint64_t seed = 1;
-  CommonOptions common;
 };
 
 void run(const Request& request) {
-  CommandFiles files;
-  bench::begin_command(request.common, &files);
+  begin_trial(request);
   const std::vector<EvalScene> scenes = read_eval_scenes(request.data, data::Split::Test);
   double seconds = 0;  // without loading and denoising
   const auto gather = [&](const EvalScene& eval, const data::View&,
@@ -62,22 +55,21 @@ void run(const Request& request) {
   json["denoiser"] = denoiser.description();
   std::printf("gathered: MSE %.4g, SSIM %.3f\n", json["mse"].get<double>(),
               json["ssim"].get<double>());
-  if (!request.common.json.empty()) write_file(request.common.json, json.dump(1) + "\n");
+  write_report(request, std::move(json));
+}
+
+void add_flags(CLI::App& command, Request* request) {
+  add_data_option(command, request, "Data set generated with --glb");
+  command.add_option("--rays", request->rays, "Of a pixel")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 std::function<void()> add_gathered(CLI::App* app) {
-  const auto request = std::make_shared<Request>();
-  CLI::App* command =
-      app->add_subcommand("gathered", "Score gathered light on the views of a test split");
-  command->add_option("--data", request->data, "Data set generated with --glb")->required();
-  command->add_option("--rays", request->rays, "Of a pixel")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  command->add_option("--seed", request->seed, "Of records and rays")->capture_default_str();
-  add_common_options(*command, &request->common);
-  return [request] { run(*request); };
+  return add_trial<Request>(app, "gathered", "Score gathered light on the views of a test split",
+                            add_flags, run);
 }
 
 }  // namespace lte::experiments

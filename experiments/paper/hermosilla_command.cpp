@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,18 +11,13 @@
 #include <torch/optim/adam.h>
 #include <torch/types.h>
 
-#include "bench/begin_command.h"
 #include "experiments/paper/commands.h"
 #include "experiments/paper/point_network.h"
 #include "experiments/paper/timed_training.h"
+#include "experiments/paper/trial.h"
 #include "experiments/paper/view_scores.h"
-#include "infer/tool/tool_options.h"
-#include "lte/base/check.h"
-#include "lte/base/config.h"
-#include "lte/base/file.h"
 #include "lte/cli/numbers.h"
 #include "lte/nn/loss.h"
-#include "train/config.h"
 #include "train/data/batch.h"
 #include "train/data/run_data.h"
 
@@ -32,22 +26,9 @@ namespace {
 
 constexpr double kTunedRate = 0.3;  // of the rate of training
 
-struct Request {
-  std::string config, data, test;
-  std::vector<std::string> overrides;
-  TimedTraining training;
+struct Request : Trial {
   double tuned_seconds = 0;  ///< on each scene that is scored
-  uint64_t seed = 1;
-  CommonOptions common;
 };
-
-train::TrainConfig configuration(const Request& request) {
-  std::vector<std::string> overrides = request.overrides;
-  overrides.push_back("data.root=" + nlohmann::json(request.data).dump());
-  overrides.push_back(concat("seed=", request.seed));
-  overrides.emplace_back("model.light_input=traced");  // direct light on scene points is read
-  return train::TrainConfig::read(Config::load(request.config, overrides));
-}
 
 /// A scene that is scored, as the network reads it, and what is known there to be tuned on.
 struct TestScene {
@@ -96,7 +77,7 @@ class Training {
     torch::optim::Adam optimizer(network_->parameters(), torch::optim::AdamOptions());
     train::BatchLoader loader(config_, data_.scale, &data_.train);
     int64_t step = 0;
-    return train_for(request_.training, optimizer, [&] {
+    return train_for({request_.seconds}, optimizer, [&] {
       at::Tensor sum = at::zeros({});
       const std::vector<train::Example> examples = loader.take(step++);
       for (const train::Example& example : examples)
@@ -124,11 +105,7 @@ class Training {
 
   double loss() const { return loss_; }
   int64_t scenes() const { return static_cast<int64_t>(data_.train.size()); }
-  int64_t parameters() const {
-    int64_t count = 0;
-    for (const at::Tensor& parameter : network_->parameters()) count += parameter.numel();
-    return count;
-  }
+  int64_t parameters() const { return trained_parameters(*network_); }
 
  private:
   at::Tensor loss_of(const train::Example& example, const PointLevels& levels) {
@@ -150,7 +127,7 @@ class Training {
       for (size_t i = 0; i < parameters.size(); ++i) parameters[i].copy_(from[i]);
     }
     torch::optim::Adam optimizer(network_->parameters(), torch::optim::AdamOptions());
-    train_for({seconds, kTunedRate * request_.training.rate}, optimizer,
+    train_for({seconds, kTunedRate * TimedTraining().rate}, optimizer,
               [&] { return loss_of(scene.example, scene.levels); });
   }
 
@@ -162,51 +139,43 @@ class Training {
 };
 
 void run(const Request& request) {
-  CommandFiles files;
-  files.reads("--config", request.config);
-  bench::begin_command(request.common, &files);
-  const train::TrainConfig config = configuration(request);
+  begin_trial(request);
+  // Direct light on scene points is read.
+  const train::TrainConfig config = training_config(request, {"model.light_input=traced"});
   const std::vector<EvalScene> test = read_eval_scenes(request.test, data::Split::Test);
-  torch::manual_seed(request.seed);
   Training training(request, config);
   const int64_t steps = training.train();
   nlohmann::json json = training.score(test, 0);
   if (request.tuned_seconds > 0) json["tuned"] = training.score(test, request.tuned_seconds);
   std::printf("hermosilla: %lld steps, MSE %.4g, SSIM %.3f\n", static_cast<long long>(steps),
               json["mse"].get<double>(), json["ssim"].get<double>());
-  if (request.common.json.empty()) return;
   json.update({{"parameters", training.parameters()},
                {"training_scenes", training.scenes()},
                {"steps", steps},
-               {"seconds", request.training.seconds},
+               {"seconds", request.seconds},
                {"tuned_seconds", request.tuned_seconds},
-               {"seed", request.seed},
                {"loss", training.loss()}});
-  write_file(request.common.json, json.dump(1) + "\n");
+  write_report(request, std::move(json));
+}
+
+void add_flags(CLI::App& command, Request* request) {
+  add_config_options(command, request);
+  add_data_option(command, request, "Data set with direct light on scene points");
+  add_test_option(command, request);
+  add_seconds_option(command, request);
+  command
+      .add_option("--tuned-seconds", request->tuned_seconds,
+                  "Processor time on the query points of each test scene, for a second score")
+      ->check(non_negative_number())
+      ->capture_default_str();
 }
 
 }  // namespace
 
 std::function<void()> add_hermosilla(CLI::App* app) {
-  const auto request = std::make_shared<Request>();
-  CLI::App* command = app->add_subcommand(
-      "hermosilla", "Train the point network of Hermosilla et al., as the paper improved it");
-  command->add_option("--config", request->config, "Training configuration (.yaml)")->required();
-  command->add_option("--data", request->data, "Data set with direct light on scene points")
-      ->required();
-  command->add_option("--test", request->test, "Data set whose test split is scored")->required();
-  command->add_option("--set", request->overrides, "Override a key: key=value")->take_all();
-  command->add_option("--seconds", request->training.seconds, "Processor time of training")
-      ->check(positive_number())
-      ->capture_default_str();
-  command
-      ->add_option("--tuned-seconds", request->tuned_seconds,
-                   "Processor time on the query points of each test scene, for a second score")
-      ->check(non_negative_number())
-      ->capture_default_str();
-  command->add_option("--seed", request->seed, "Of weights and examples")->capture_default_str();
-  add_common_options(*command, &request->common);
-  return [request] { run(*request); };
+  return add_trial<Request>(
+      app, "hermosilla", "Train the point network of Hermosilla et al., as the paper improved it",
+      add_flags, run);
 }
 
 }  // namespace lte::experiments

@@ -14,13 +14,10 @@
 #include <torch/optim/adamw.h>
 #include <torch/types.h>
 
-#include "bench/begin_command.h"
 #include "experiments/paper/commands.h"
 #include "experiments/paper/roadmap_model.h"
-#include "infer/tool/tool_options.h"
-#include "lte/base/file.h"
+#include "experiments/paper/trial.h"
 #include "lte/base/process_memory.h"
-#include "lte/cli/numbers.h"
 #include "lte/nn/encoder/transformer_block.h"
 #include "lte/nn/points/synthetic_room.h"
 
@@ -96,11 +93,10 @@ class RenderFormerShapeImpl : public torch::nn::Module {
 };
 TORCH_MODULE(RenderFormerShape);
 
-struct Request {
+struct Request : Trial {
   std::string network = "whole", attention = "fused";
   int64_t primitives = 1024, side = 64, channels = 128;
   bool forward_only = false;
-  CommonOptions common;
 };
 
 /// One network, and its answer to a scene of so many primitives and side² rays.
@@ -142,15 +138,10 @@ std::unique_ptr<torch::optim::AdamW> with_moments(torch::nn::Module& network) {
 }
 
 void run(const Request& request) {
-  CommandFiles files;
-  bench::begin_command(request.common, &files);
-  torch::manual_seed(1);
+  begin_trial(request);
   const Attention attention = request.attention == "stored" ? Attention::Stored : Attention::Fused;
   Measured measured = request.network == "renderformer" ? renderformer(request, attention)
                                                         : ours(request, attention);
-  int64_t parameters = 0;
-  for (const at::Tensor& parameter : measured.network->parameters())
-    parameters += parameter.requires_grad() ? parameter.numel() : 0;
   std::unique_ptr<torch::optim::AdamW> optimizer;  // its moments are held while it lives
   if (!request.forward_only) optimizer = with_moments(*measured.network);
   reset_peak_rss();
@@ -165,43 +156,38 @@ void run(const Request& request) {
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   std::printf("%s, %lld primitives: %.0f MB, %.2f s\n", request.network.c_str(),
               static_cast<long long>(request.primitives), peak_rss_mb(), seconds);
-  if (request.common.json.empty()) return;
-  const nlohmann::json json = {
-      {"network", request.network},       {"attention", request.attention},
-      {"primitives", request.primitives}, {"rays", request.side * request.side},
-      {"channels", request.channels},     {"forward_only", request.forward_only},
-      {"parameters", parameters},         {"resident_mb", resident},
-      {"peak_rss_mb", peak_rss_mb()},     {"cpu_seconds", seconds}};
-  write_file(request.common.json, json.dump(1) + "\n");
+  write_report(request, {{"network", request.network},
+                         {"attention", request.attention},
+                         {"primitives", request.primitives},
+                         {"rays", request.side * request.side},
+                         {"channels", request.channels},
+                         {"forward_only", request.forward_only},
+                         {"parameters", trained_parameters(*measured.network)},
+                         {"resident_mb", resident},
+                         {"peak_rss_mb", peak_rss_mb()},
+                         {"cpu_seconds", seconds}});
+}
+
+void add_flags(CLI::App& command, Request* request) {
+  add_choice(command, "--network", &request->network,
+             {"renderformer", "vanilla", "encoder", "whole"}, "What is measured");
+  add_choice(command, "--attention", &request->attention, {"fused", "stored"},
+             "Of renderformer and vanilla: fused, or stored as an N x N matrix");
+  add_count(command, "--primitives", &request->primitives, 1, "Triangles, or scene points of ours");
+  add_count(command, "--side", &request->side, 1, "Of the square picture whose rays are asked");
+  command.add_option("--channels", request->channels, "D of ours")
+      ->check(CLI::Range(32, 1024))
+      ->capture_default_str();
+  command.add_flag("--forward-only", request->forward_only,
+                   "An answer, without gradients and the optimizer's moments");
 }
 
 }  // namespace
 
 std::function<void()> add_memory(CLI::App* app) {
-  const auto request = std::make_shared<Request>();
-  CLI::App* command = app->add_subcommand(
-      "memory", "Peak memory and time of one training step by the number of primitives");
-  command->add_option("--network", request->network, "renderformer, vanilla, encoder or whole")
-      ->check(CLI::IsMember({"renderformer", "vanilla", "encoder", "whole"}))
-      ->capture_default_str();
-  command
-      ->add_option("--attention", request->attention,
-                   "Of renderformer and vanilla: fused, or stored as an N x N matrix")
-      ->check(CLI::IsMember({"fused", "stored"}))
-      ->capture_default_str();
-  command->add_option("--primitives", request->primitives, "Triangles, or scene points of ours")
-      ->check(positive_number())
-      ->capture_default_str();
-  command->add_option("--side", request->side, "Of the square picture whose rays are asked")
-      ->check(positive_number())
-      ->capture_default_str();
-  command->add_option("--channels", request->channels, "D of ours")
-      ->check(CLI::Range(32, 1024))
-      ->capture_default_str();
-  command->add_flag("--forward-only", request->forward_only,
-                    "An answer, without gradients and the optimizer's moments");
-  add_common_options(*command, &request->common);
-  return [request] { run(*request); };
+  return add_trial<Request>(app, "memory",
+                            "Peak memory and time of one training step by the number of primitives",
+                            add_flags, run);
 }
 
 }  // namespace lte::experiments

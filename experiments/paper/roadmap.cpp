@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,17 +12,12 @@
 #include <nlohmann/json.hpp>
 #include <torch/nn/utils/clip_grad.h>
 #include <torch/optim/adamw.h>
-#include <torch/utils.h>
 
-#include "bench/begin_command.h"
 #include "experiments/paper/commands.h"
 #include "experiments/paper/roadmap_model.h"
-#include "infer/tool/tool_options.h"
+#include "experiments/paper/trial.h"
 #include "lte/base/check.h"
-#include "lte/base/config.h"
-#include "lte/base/file.h"
 #include "lte/base/process_memory.h"
-#include "lte/cli/numbers.h"
 #include "lte/data/dataset.h"
 #include "lte/nn/loss.h"
 #include "train/config.h"
@@ -34,22 +28,15 @@
 namespace lte::experiments {
 namespace {
 
-struct Request {
-  std::string network = "whole", config, data;
-  std::vector<std::string> overrides;
+struct Request : Trial {
+  std::string network = "whole";
   int64_t steps = 400, looks = 1, scenes = 0;
-  uint64_t seed = 1;
-  CommonOptions common;
 };
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 train::TrainConfig configuration(const Request& request) {
-  std::vector<std::string> overrides = request.overrides;
-  overrides.push_back("data.root=" + nlohmann::json(request.data).dump());
-  overrides.push_back(concat("train.steps=", request.steps));
-  overrides.push_back(concat("seed=", request.seed));
-  train::TrainConfig config = train::TrainConfig::read(Config::load(request.config, overrides));
+  train::TrainConfig config = training_config(request, {concat("train.steps=", request.steps)});
   LTE_CHECK(!config.model.reads_light() && !config.model.predicts_radiance(),
             "model.light_input: the roadmap's networks read emission alone");
   return config;
@@ -96,13 +83,6 @@ nlohmann::json to_json(const Errors& errors) {
   return {{"loss", errors.loss}, {"mse", errors.mse}, {"share", errors.share}};
 }
 
-int64_t trained_parameters(const RoadmapModel& model) {
-  int64_t count = 0;
-  for (const at::Tensor& parameter : model->parameters())
-    count += parameter.requires_grad() ? parameter.numel() : 0;
-  return count;
-}
-
 /// The update of one step, of the mean loss over its scenes.
 double train_step(RoadmapModel& model, const std::vector<train::Example>& examples,
                   const train::TrainConfig& config, int64_t step, torch::optim::AdamW* optimizer) {
@@ -129,9 +109,7 @@ double train_step(RoadmapModel& model, const std::vector<train::Example>& exampl
 }
 
 void run(const Request& request) {
-  CommandFiles files;
-  files.reads("--config", request.config);
-  bench::begin_command(request.common, &files);
+  begin_trial(request);
   train::TrainConfig config = configuration(request);
   train::RunData data = train::open_run_data(config);
   config.model.scale = data.scale;
@@ -143,7 +121,6 @@ void run(const Request& request) {
   LTE_CHECK(config.data.scene_points > 0,
             "data.scene_points: 0 stands for all there are, but the "
             "roadmap's networks read as many of each scene");
-  torch::manual_seed(request.seed);
   RoadmapModel model(parse_enum<RoadmapNetwork>("--network", request.network), config.model);
   model->train();
   torch::optim::AdamW optimizer(model->parameters(),
@@ -172,13 +149,11 @@ void run(const Request& request) {
               request.network.c_str(), static_cast<unsigned long long>(request.seed), first.share,
               last.share, static_cast<long long>(request.steps),
               1e3 * seconds / static_cast<double>(request.steps));
-  if (request.common.json.empty()) return;
   nlohmann::json json = {{"network", request.network},
-                         {"seed", request.seed},
                          {"steps", request.steps},
                          {"scenes", data.train.size()},
                          {"held_out_scenes", held_out.size()},
-                         {"parameters", trained_parameters(model)},
+                         {"parameters", trained_parameters(*model)},
                          {"train_loss", loss},
                          {"first_loss", first.loss},
                          {"first_mse", first.mse},
@@ -193,33 +168,26 @@ void run(const Request& request) {
     json["test"] = to_json(validate(model, test, config.loss));
     json["test"]["scenes"] = test.size();
   }
-  write_file(request.common.json, json.dump(1) + "\n");
+  write_report(request, std::move(json));
+}
+
+void add_flags(CLI::App& command, Request* request) {
+  add_choice(command, "--network", &request->network, {"vanilla", "encoder", "whole"},
+             "Row of the roadmap");
+  add_config_options(command, request);
+  add_data_option(command, request, "Data set with a validation split");
+  add_count(command, "--steps", &request->steps, 1, "Training steps");
+  add_count(command, "--scenes", &request->scenes, 0, "Of the training split, the first; 0: all");
+  add_count(command, "--looks", &request->looks, 1,
+            "At the validation split in the course of them");
 }
 
 }  // namespace
 
 std::function<void()> add_roadmap(CLI::App* app) {
-  const auto request = std::make_shared<Request>();
-  CLI::App* command = app->add_subcommand(
-      "roadmap", "Train one network of the paper's roadmap and measure it on held-out scenes");
-  command->add_option("--network", request->network, "vanilla, encoder or whole")
-      ->check(CLI::IsMember({"vanilla", "encoder", "whole"}))
-      ->capture_default_str();
-  command->add_option("--config", request->config, "Training configuration (.yaml)")->required();
-  command->add_option("--data", request->data, "Data set with a validation split")->required();
-  command->add_option("--set", request->overrides, "Override a key: key=value")->take_all();
-  command->add_option("--steps", request->steps, "Training steps")
-      ->check(positive_number())
-      ->capture_default_str();
-  command->add_option("--scenes", request->scenes, "Of the training split, the first; 0: all")
-      ->check(non_negative_number())
-      ->capture_default_str();
-  command->add_option("--looks", request->looks, "At the validation split in the course of them")
-      ->check(positive_number())
-      ->capture_default_str();
-  command->add_option("--seed", request->seed, "Of weights and examples")->capture_default_str();
-  add_common_options(*command, &request->common);
-  return [request] { run(*request); };
+  return add_trial<Request>(
+      app, "roadmap", "Train one network of the paper's roadmap and measure it on held-out scenes",
+      add_flags, run);
 }
 
 }  // namespace lte::experiments

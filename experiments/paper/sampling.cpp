@@ -2,21 +2,18 @@
 // another, at the query points of a data set that was generated with --glb.
 #include <cmath>
 #include <cstdio>
-#include <memory>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "bench/begin_command.h"
 #include "experiments/paper/commands.h"
 #include "experiments/paper/point_draw.h"
+#include "experiments/paper/trial.h"
 #include "experiments/paper/view_scores.h"
 #include "infer/eval/measure/bootstrap.h"
 #include "infer/eval/measure/eval_points.h"
 #include "lte/base/check.h"
-#include "lte/base/file.h"
-#include "lte/cli/numbers.h"
 #include "lte/embed/scene_points.h"
 #include "lte/image/metrics.h"
 #include "lte/runtime/embedding.h"
@@ -25,11 +22,8 @@
 namespace lte::experiments {
 namespace {
 
-struct Request {
-  std::string data, checkpoint;
+struct Request : Trial {
   int64_t candidates = 65'536, points = 0;
-  uint64_t seed = 1;
-  CommonOptions common;
 };
 
 /// Mean squared error at a scene's query points, over the emission scalar squared.
@@ -55,9 +49,7 @@ double error_of(const EvalScene& scene, const runtime::Network& network,
 }
 
 void run(const Request& request) {
-  CommandFiles files;
-  files.reads("--checkpoint", request.checkpoint);
-  bench::begin_command(request.common, &files);
+  begin_trial(request);
   const runtime::Network network(request.checkpoint);
   LTE_CHECK(network.light_request().depth == 0, request.checkpoint,
             ": reads path-traced light, which points that are drawn anew lack");
@@ -100,27 +92,22 @@ void run(const Request& request) {
     std::printf("%s: MSE %.4g, %.3f of even points\n", draws[i].name, mse,
                 rows.back()["ratio"].get<double>());
   }
-  if (!request.common.json.empty()) write_file(request.common.json, rows.dump(1) + "\n");
+  write_report(request, std::move(rows));
+}
+
+void add_flags(CLI::App& command, Request* request) {
+  add_data_option(command, request, "Data set generated with --glb; its test split");
+  command.add_option("--checkpoint", request->checkpoint, "Model (.safetensors)")->required();
+  add_count(command, "--candidates", &request->candidates, 1, "Points by area that are drawn from");
+  add_count(command, "--points", &request->points, 0, "Drawn; 0: as many as in training");
 }
 
 }  // namespace
 
 std::function<void()> add_sampling(CLI::App* app) {
-  const auto request = std::make_shared<Request>();
-  CLI::App* command = app->add_subcommand(
-      "sampling", "Compare ways to draw scene points by a network's error from them");
-  command->add_option("--data", request->data, "Data set generated with --glb; its test split")
-      ->required();
-  command->add_option("--checkpoint", request->checkpoint, "Model (.safetensors)")->required();
-  command->add_option("--candidates", request->candidates, "Points by area that are drawn from")
-      ->check(positive_number())
-      ->capture_default_str();
-  command->add_option("--points", request->points, "Drawn; 0: as many as in training")
-      ->check(non_negative_number())
-      ->capture_default_str();
-  command->add_option("--seed", request->seed, "Of candidates and draws")->capture_default_str();
-  add_common_options(*command, &request->common);
-  return [request] { run(*request); };
+  return add_trial<Request>(app, "sampling",
+                            "Compare ways to draw scene points by a network's error from them",
+                            add_flags, run);
 }
 
 }  // namespace lte::experiments
