@@ -34,24 +34,9 @@ def steps_of_demo(root):
     return [(each["step"], each["val_mse"]) for each in found if "val_mse" in each]
 
 
-def growth(run, train):
-    """Steps by the log of lte-demo; scenes and parameters, which --quick leaves out, by trainings.
-
-    @param train  (label, seed, words) -> result of experiment_paper roadmap
-    """
-    rows = []
-    rows += [{"kind": "steps", "value": step, "seed": "lte-demo", "mse": mse}
-             for step, mse in steps_of_demo(run.root)]
-    for seed in (1, 2):
-        for scenes in run.size((60, 240, 960), ()):
-            found = train(f"scenes-{scenes}-{seed}", seed, ["--scenes", scenes])
-            rows.append({"kind": "scenes", "value": scenes, "seed": seed, "mse": found["mse"]})
-        for channels in run.size((16, 32, 64), ()):
-            found = train(f"width-{channels}-{seed}", seed,
-                          ["--set", f"model.channels={channels}", "--set", "model.head_width=16"])
-            rows.append({"kind": "parameters", "value": found["parameters"], "seed": seed,
-                         "mse": found["mse"]})
-    return rows
+def steps(root):
+    return [{"kind": "steps", "value": step, "seed": "lte-demo", "mse": mse}
+            for step, mse in steps_of_demo(root)]
 
 
 def kinds_of(rows):

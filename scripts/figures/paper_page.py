@@ -31,8 +31,7 @@ OTHERS = (
      "[architecture.md](architecture.md), [dataset.md](dataset.md)", ""),
     ("Figure 3: attention", "picture", "drawn on demand",
      "`experiment_attention SCENE.glb --point X,Y,Z --out a.png`"),
-    ("Figure 7: LPIPS", "a figure a scene", "not run: packages lack its backbone's weights", ""),
-    ("Failures: unusual textures", "a picture", "not run: no such set is made", ""),
+    ("Our own parts, each taken out", "", "[lab](lab/learning.md)", "`experiments/ablation`"),
     ("Figure 8: full renderings", "pictures", "[README](../README.md)", "`lte_render`"),
     ("Table 2: structure", "42 M parameters", "41,932,803",
      "`lte_train --config configs/model/paper.yaml --dry-run`"),
@@ -85,7 +84,7 @@ def page(folder):
     for row in ROWS:
         found = files.get(row.name)
         here = row.line(found["rows"]) + (" *quick*" if found["quick"] else "") if found \
-            else f"not run yet: {row.cost.split(';')[0]} of a core"
+            else "not run, for want of time: {}; by `--quick` {}".format(*row.cost.split("; "))
         text += f"|{row.items}|{row.theirs}|{here}|{row.name}|\n"
     for item, there, here, command in OTHERS:
         text += f"|{item}|{there}|{here}|{command}|\n"

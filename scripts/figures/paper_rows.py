@@ -1,22 +1,21 @@
 """The rows of docs/paper.md: the commands behind each, what their JSON gives, and a line about it.
 scripts/figures/paper.py runs the commands and writes the page."""
 import dataclasses
-import json
 import pathlib
 import typing
 
 import paper_cornell
 import paper_edits
 import paper_growth
+import paper_plans
+import paper_trainings
 from paper_eval import (EVAL_COLUMNS, eval_line, evaluated, failures, generated, homes, size_line,
                         statistics_of_scenes)
 from paper_rivals import rivals
-from paper_words import digits, mean_of, spread_of
+from paper_words import digits
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROOM = paper_edits.ROOM
-NETWORKS = ("vanilla", "encoder", "whole")
-HARDLY_TRAINED = 0.5  # of the first error: a network above it has learnt next to nothing
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,82 +51,6 @@ def sampling_line(rows):
 
 def cell_range(values):
     return " to ".join(digits(value, 2) for value in values)
-
-
-# Trainings.
-
-def boxes(run):
-    return generated(run, "boxes", "boxes_small", run.size(1500, 240), 4057, "rays=64",
-                     "query_points=4096", "scene_points=2048", "views.rays=32", "views.width=32",
-                     "views.height=24", "val_share=0.1", "test_share=0.1", "light_paths=1",
-                     "path_tracing_64=false", "boxes.texture_sizes=[64]")
-
-
-def trained(run, label, network, seed, steps, words=()):
-    """One network of the roadmap, trained on boxes."""
-    settings = [f"data.scene_points={run.size(2048, 512)}", "data.queries_per_scene=256",
-                "train.scenes_per_step=4", "train.validation_scenes=0"]
-    return run.tool(label, "experiment_paper", "roadmap", "--network", network, "--config",
-                    "configs/train/shipped.yaml", "--data", boxes(run), "--steps", steps, "--seed",
-                    seed, "--threads", 1, *(w for s in settings for w in ("--set", s)), *words)
-
-
-def roadmap(run):
-    rows = []
-    for seed in (1, 2):
-        for network in NETWORKS:
-            found = trained(run, f"{network}-{seed}", network, seed, run.size(3000, 1500),
-                            ["--looks", 5])
-            rows.append(found | {"step_ms": 1e3 * found["cpu_seconds"] / found["steps"]})
-    return rows
-
-
-def growth(run):
-    return paper_growth.growth(run, lambda label, seed, words: trained(
-        run, label, "whole", seed, 3000, words))
-
-
-def roadmap_line(rows):
-    names = list(zip(("vanilla", "+ encoder", "+ query decoder"), NETWORKS))
-    first, best = mean_of(rows, "first_share"), min(row["share"] for row in rows)
-    each = "; ".join(f"{name} {spread_of(rows, 'share', network=key)} "
-                     f"({digits(mean_of(rows, 'step_ms', network=key), 2)} ms a step)"
-                     for name, key in names)
-    verdict = ""
-    if best > HARDLY_TRAINED * first:
-        (early, above), (late, least) = (paper_growth.steps_of_demo(ROOT)[i] for i in (0, -1))
-        verdict = (f"; hardly trained, so the order says nothing: lte-demo, the whole network, had "
-                   f"{digits(above / least, 2)} times its last error at step {early:,} of {late:,}")
-    return f"MSE / mean square, {digits(first)} at first: {each}{verdict}"
-
-
-VARIANTS = {"as trained": "", "kappa 8": "model.query_neighbours=8",
-            "kappa 16": "model.query_neighbours=16", "kappa 48": "model.query_neighbours=48",
-            "512 points": "data.scene_points=512", "1,024 points": "data.scene_points=1024",
-            "D 16": "model.channels=16 model.head_width=16", "D 64": "model.channels=64",
-            "2 layers": "model.query_layers=2", "patches of 256": "model.patch_size=256"}
-QUICK_VARIANTS = ("as trained", "kappa 8", "512 points")
-
-
-def hyperparameters(run):
-    data = boxes(run)
-    names = run.size(tuple(VARIANTS), QUICK_VARIANTS)
-    words = [word for name in names
-             for word in ("--variant", f"{name}: {VARIANTS[name]}" if VARIANTS[name] else name)]
-    out = run.folder("ablation")
-    run.script("ablation", "experiments/ablation/ablate.py", "--config",
-               "configs/train/shipped.yaml", "--data", data, "--out", out, "--seconds",
-               run.size(600, 25), "--seeds", 1, 2, "--threads", 1, "--clock", "cpu",
-               "--timing-steps", run.size(20, 4), "--tool", run.bin / "lte_train", *words)
-    results = json.loads((run.root / out / "results.json").read_text())
-    return [{"variant": name, "seed": seed, "steps": one["step"], "psnr": one["val_psnr"],
-             "mse": one["val_mse"]} for name, each in results.items()
-            for seed, one in enumerate(each, 1)]
-
-
-def variants_line(rows):
-    return "PSNR " + "; ".join(f"{name} {spread_of(rows, 'psnr', variant=name)}"
-                               for name in dict.fromkeys(row["variant"] for row in rows))
 
 
 # Memory, by a process a row.
@@ -246,9 +169,13 @@ def flicker_line(rows):
 
 
 ROWS = (
-    Row("table1", "Table 1; figure 7", "MSE .048, SSIM .912; 64 paths .051, .425; "
+    Row("table1", "Table 1", "MSE .048, SSIM .912; 64 paths .051, .425; "
         "Deep Shading .071, .882; Hermosilla .171, .775",
         "4 h; 6 min", table1, eval_line, EVAL_COLUMNS),
+    Row("plans", "Figure 7: SSIM, FLIP, LPIPS of plans", "six plans", "30 min; 2 min",
+        paper_plans.plans, paper_plans.line,
+        (("home", "home"), ("method", "method"), ("SSIM", "ssim"), ("FLIP", "flip"),
+         ("LPIPS", "lpips"))),
     Row("sampling", "Sampling of scene points", "no effect", "15 min; 3 min", sampling,
         sampling_line,
         (("draw", "draw"), ("points", "points"), ("MSE", "mse"), ("over even", "ratio"),
@@ -258,22 +185,24 @@ ROWS = (
         (("triangles", "triangles"), ("relative MSE", "relmse"), ("FLIP", "flip"),
          ("CPU s", "cpu"), ("peak MB", "peak_rss_mb"), ("its shape: CPU s", "rf_cpu"),
          ("MB", "rf_mb"))),
-    Row("growth", "Growth", "PSNR by points alone", "4 h; none", growth, paper_growth.line,
+    Row("growth", "Growth", "PSNR by points alone", "4 h; 7 min", paper_trainings.growth,
+        paper_growth.line,
         (("of", "kind"), ("value", "value"), ("seed", "seed"), ("MSE", "mse"))),
     Row("statistics", "Scene statistics", "0.8 to 6 M triangles, 29 to 51 textures of 1024²",
         "8 min; 1 min", statistics_of_scenes, size_line, EVAL_COLUMNS),
-    Row("failures", "Failures: lamp next door", "a picture", "8 min; 1 min", failures, eval_line,
+    Row("failures", "Failures: lamp next door, odd materials", "pictures", "10 min; 2 min",
+        failures, eval_line,
         EVAL_COLUMNS),
     Row("roadmap", "Figures 11, 12: roadmap, MSE", "vanilla .068; + encoder .084; + decoder .048",
-        "3 h; 14 min", roadmap, roadmap_line,
+        "4 h; 8 min", paper_trainings.roadmap, paper_trainings.roadmap_line,
         (("network", "network"), ("seed", "seed"), ("parameters", "parameters"), ("MSE", "mse"),
          ("MSE / mean square", "share"), ("at first", "first_share"), ("ms a step", "step_ms"),
          ("peak MB", "peak_rss_mb"))),
-    Row("hyperparameters", "Neighbours, points, D",
-        "PSNR: kappa 8 26.96, 32 34.57; 5 k points 28.51, 20 k 34.57", "4 h; 3 min",
-        hyperparameters, variants_line,
-        (("variant", "variant"), ("seed", "seed"), ("steps", "steps"), ("PSNR", "psnr"),
-         ("MSE", "mse"))),
+    Row("hyperparameters", "Neighbours, points, D, layers, patches, queries",
+        "PSNR: kappa 8 26.96, 32 34.57; 5 k points 28.51, 20 k 34.57", "14 h; 8 min",
+        paper_trainings.hyperparameters, paper_trainings.variants_line,
+        (("variant", "variant"), ("seed", "seed"), ("MSE / mean square", "share"),
+         ("over as trained", "ratio"), ("ms a step", "step_ms"), ("peak MB", "peak_rss_mb"))),
     Row("memory", "Figure 2: memory", "1.7 and .12 MB a primitive", "10 min; 2 min", memory,
         memory_line,
         (("network", "network"), ("attention", "attention"), ("primitives", "primitives"),

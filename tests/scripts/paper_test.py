@@ -112,6 +112,33 @@ class Paper(unittest.TestCase):
                                           for i, x in enumerate(xs)])
         self.assertGreater(half, 0.1)
 
+    def test_variants_are_measured_against_the_same_seed_as_trained(self):
+        maker, trainer = self.bin / "lte_datagen", self.bin / "experiment_paper"
+        maker.write_text(PROGRAM)
+        trainer.write_text("""#!/usr/bin/env python3
+import json, pathlib, sys
+words = sys.argv
+seed = int(words[words.index("--seed") + 1])
+share = 0.1 * seed * (2 if "model.query_neighbours=8" in words else 1)
+pathlib.Path(words[words.index("--json") + 1]).write_text(json.dumps(
+    {"cpu_seconds": 10, "steps": 100, "scenes": 5, "parameters": 7, "peak_rss_mb": 1,
+     "test": {"mse": 9, "share": share}}))
+""")
+        for path in (maker, trainer):
+            path.chmod(0o755)
+        done = self.paper("hyperparameters", "--quick")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("kappa 8 2 ± 0; 64 points 1 ± 0", done.stdout)
+        rows = json.loads((self.out / "quick" / "hyperparameters.json").read_text())["rows"]
+        self.assertEqual({row["step_ms"] for row in rows}, {100})
+
+    def test_what_lpips_needs_is_named_in_one_line(self):
+        done = subprocess.run([sys.executable, "-S", SCRIPT.parent / "perceptual_distance.py", "a",
+                               "b"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"^perceptual_distance.py: LPIPS: no module numpy; pip "
+                                      r"install numpy\n$")
+
     def test_a_triangle_is_filled_by_smaller_ones_wound_alike(self):
         corners = ((0.0, 0.0, 1.0), (2.0, 0.5, 0.0), (-1.0, 3.0, 0.5))
         positions, triangles = paper_cornell.divided(corners, 5)
