@@ -13,19 +13,10 @@ namespace lte::experiments {
 
 using namespace pathtrace;
 
-namespace {
-
-/// A lobe narrower than this is smeared over as much where the map's cells are weighed: a cell has
-/// one direction to stand for all of its own, and would miss the lobe.
-constexpr float kMinCellRoughness = 0.25f;
-
-/// Cosine between normals of one hemisphere.
-constexpr float kSameWay = 0.99999f;
-
 /// What a surface reflects from and to, metal or not.
-class Surface {
+class GuidedSurface {
  public:
-  Surface(const Vec3& normal, const Reflector& reflector, float roughness)
+  GuidedSurface(const Vec3& normal, const Reflector& reflector, float roughness)
       : color_(reflector.color), normal_(normal) {
     if (reflector.gloss.metallic > 0)
       glossy_.emplace(reflector.color, reflector.gloss.metallic, roughness, normal,
@@ -49,10 +40,20 @@ class Surface {
   std::optional<GlossyBsdf> glossy_;
 };
 
+namespace {
+
+/// A lobe narrower than this is smeared over as much where the map's cells are weighed: a cell has
+/// one direction to stand for all of its own, and would miss the lobe.
+constexpr float kMinCellRoughness = 0.25f;
+
+/// Cosine between normals of one hemisphere.
+constexpr float kSameWay = 0.99999f;
+
 /// Cells in proportion to radiance times what the surface reflects.
 std::shared_ptr<const GuideTable> product_table(const DirectionMap& map, const Vec3& normal,
                                                 const Reflector& reflector, float even_share) {
-  const Surface smeared(normal, reflector, std::max(reflector.gloss.roughness, kMinCellRoughness));
+  const GuidedSurface smeared(normal, reflector,
+                              std::max(reflector.gloss.roughness, kMinCellRoughness));
   return std::make_shared<GuideTable>(map, even_share, [&](const Vec3& direction) {
     // f per projected solid angle, as cells have equal ones.
     return smeared.evaluate(direction).value / dot(direction, map.normal);
@@ -65,7 +66,7 @@ struct Guide::State {
   std::shared_ptr<const GuideTable> table;
   Vec3 normal;
   float material_share;
-  Surface surface;
+  GuidedSurface surface;
 };
 
 Guide::Guide(std::shared_ptr<const GuideTable> table, const Vec3& normal,
@@ -74,8 +75,9 @@ Guide::Guide(std::shared_ptr<const GuideTable> table, const Vec3& normal,
             "a guide's material share must lie in [0, 1), got ", material_share);
   LTE_CHECK(material_share > 0 || table->height(normal) > kSameWay,
             "a guide around another normal needs a material share above 0");
-  state_ = std::make_unique<State>(State{std::move(table), normal, material_share,
-                                         Surface(normal, reflector, reflector.gloss.roughness)});
+  state_ =
+      std::make_unique<State>(State{std::move(table), normal, material_share,
+                                    GuidedSurface(normal, reflector, reflector.gloss.roughness)});
 }
 
 Guide::Guide(const DirectionMap& map, const Vec3& normal, const Reflector& reflector,

@@ -31,7 +31,7 @@ constexpr int64_t kHeldOutEvery = 10;  // of the queries
 constexpr int kLooks = 8;              // at the held-out error in the course of the time
 constexpr double kGridRate = 1e-2, kLatentRate = 3e-3;
 
-struct Request : Trial {
+struct ByHeartTrial : Trial {
   std::string sample, method = "grid";
   int64_t batch = 4096, log2_entries = 15, queries = 0;
 };
@@ -44,7 +44,7 @@ struct Task {
   double spacing = 1, extent = 1, output_mean = 1;
 };
 
-Task make_task(const Request& request) {
+Task make_task(const ByHeartTrial& request) {
   const train::TrainingScene scene = train::read_training_scene(request.sample, request.sample);
   LTE_CHECK(scene.query_points() >= 2 * kHeldOutEvery, request.sample, ": has ",
             scene.query_points(), " query points; expected at least ", 2 * kHeldOutEvery);
@@ -73,7 +73,7 @@ Task make_task(const Request& request) {
   return task;
 }
 
-std::shared_ptr<ByHeartImpl> make_network(const Request& request, const Task& task) {
+std::shared_ptr<ByHeartImpl> make_network(const ByHeartTrial& request, const Task& task) {
   if (request.method == "grid") {
     HashGridConfig config;
     config.log2_entries = request.log2_entries;
@@ -105,7 +105,7 @@ double relative_error(ByHeartImpl& network, const Task& task, const at::Tensor& 
   return error / square;
 }
 
-nlohmann::json learn(ByHeartImpl& network, const Task& task, const Request& request) {
+nlohmann::json learn(ByHeartImpl& network, const Task& task, const ByHeartTrial& request) {
   nlohmann::json looks = nlohmann::json::array();
   train::ByHeartLimits limits;
   limits.seconds = request.seconds;
@@ -128,7 +128,7 @@ nlohmann::json learn(ByHeartImpl& network, const Task& task, const Request& requ
   return looks;
 }
 
-void run(const Request& request) {
+void run(const ByHeartTrial& request) {
   begin_trial(request, request.sample);
   const Task task = make_task(request);
   const std::shared_ptr<ByHeartImpl> network = make_network(request, task);
@@ -151,7 +151,7 @@ void run(const Request& request) {
   write_report(request, std::move(json));
 }
 
-void add_flags(CLI::App& command, Request* request) {
+void add_flags(CLI::App& command, ByHeartTrial* request) {
   command.add_option("SAMPLE", request->sample, "Sample file of lte_datagen bake")->required();
   add_choice(command, "--method", &request->method, {"grid", "latents-mean", "latents-decoder"},
              "What learns");
@@ -166,7 +166,7 @@ void add_flags(CLI::App& command, Request* request) {
 }  // namespace
 
 std::function<void()> add_by_heart(CLI::App* app) {
-  return add_trial<Request>(
+  return add_trial<ByHeartTrial>(
       app, "by-heart", "Learn the irradiance of one scene, and measure it where it was not shown",
       add_flags, run);
 }

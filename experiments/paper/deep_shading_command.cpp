@@ -21,7 +21,7 @@ namespace {
 
 constexpr int64_t kViewsPerStep = 4;
 
-struct Request : Trial {
+struct DeepShadingTrial : Trial {
   std::string split = "train";
 };
 
@@ -34,7 +34,7 @@ std::vector<ShadingView> views_of(const std::vector<EvalScene>& scenes) {
   return out;
 }
 
-void run(const Request& request) {
+void run(const DeepShadingTrial& request) {
   begin_trial(request);
   const std::vector<ShadingView> views =
       views_of(read_eval_scenes(request.data, data::parse_split(request.split)));
@@ -68,7 +68,7 @@ void run(const Request& request) {
   write_report(request, std::move(json));
 }
 
-void add_flags(CLI::App& command, Request* request) {
+void add_flags(CLI::App& command, DeepShadingTrial* request) {
   add_data_option(command, request, "Data set whose views are learnt");
   add_choice(command, "--split", &request->split, {"train", "val", "test"}, "Its split");
   add_test_option(command, request);
@@ -78,9 +78,9 @@ void add_flags(CLI::App& command, Request* request) {
 }  // namespace
 
 std::function<void()> add_deep_shading(CLI::App* app) {
-  return add_trial<Request>(app, "deep-shading",
-                            "Train Deep Shading on views, and score it on those of a test split",
-                            add_flags, run);
+  return add_trial<DeepShadingTrial>(
+      app, "deep-shading", "Train Deep Shading on views, and score it on those of a test split",
+      add_flags, run);
 }
 
 }  // namespace lte::experiments

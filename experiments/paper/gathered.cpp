@@ -20,11 +20,11 @@
 namespace lte::experiments {
 namespace {
 
-struct Request : Trial {
+struct GatheredTrial : Trial {
   int64_t rays = 16;
 };
 
-void run(const Request& request) {
+void run(const GatheredTrial& request) {
   begin_trial(request);
   const std::vector<EvalScene> scenes = read_eval_scenes(request.data, data::Split::Test);
   double seconds = 0;  // without loading and denoising
@@ -58,7 +58,7 @@ void run(const Request& request) {
   write_report(request, std::move(json));
 }
 
-void add_flags(CLI::App& command, Request* request) {
+void add_flags(CLI::App& command, GatheredTrial* request) {
   add_data_option(command, request, "Data set generated with --glb");
   command.add_option("--rays", request->rays, "Of a pixel")
       ->check(CLI::Range(1, 4096))
@@ -68,8 +68,8 @@ void add_flags(CLI::App& command, Request* request) {
 }  // namespace
 
 std::function<void()> add_gathered(CLI::App* app) {
-  return add_trial<Request>(app, "gathered", "Score gathered light on the views of a test split",
-                            add_flags, run);
+  return add_trial<GatheredTrial>(
+      app, "gathered", "Score gathered light on the views of a test split", add_flags, run);
 }
 
 }  // namespace lte::experiments

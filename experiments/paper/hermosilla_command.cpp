@@ -26,7 +26,7 @@ namespace {
 
 constexpr double kTunedRate = 0.3;  // of the rate of training
 
-struct Request : Trial {
+struct HermosillaTrial : Trial {
   double tuned_seconds = 0;  ///< on each scene that is scored
 };
 
@@ -67,7 +67,7 @@ std::vector<Rgb> answer(PointNetwork& network, const TestScene& scene, const Eva
 
 class Training {
  public:
-  Training(const Request& request, const train::TrainConfig& config)
+  Training(const HermosillaTrial& request, const train::TrainConfig& config)
       : request_(request),
         config_(config),
         data_(train::open_run_data(config)),
@@ -131,14 +131,14 @@ class Training {
               [&] { return loss_of(scene.example, scene.levels); });
   }
 
-  const Request& request_;
+  const HermosillaTrial& request_;
   const train::TrainConfig& config_;
   train::RunData data_;
   PointNetwork network_;
   double loss_ = 0;
 };
 
-void run(const Request& request) {
+void run(const HermosillaTrial& request) {
   begin_trial(request);
   // Direct light on scene points is read.
   const train::TrainConfig config = training_config(request, {"model.light_input=traced"});
@@ -158,7 +158,7 @@ void run(const Request& request) {
   write_report(request, std::move(json));
 }
 
-void add_flags(CLI::App& command, Request* request) {
+void add_flags(CLI::App& command, HermosillaTrial* request) {
   add_config_options(command, request);
   add_data_option(command, request, "Data set with direct light on scene points");
   add_test_option(command, request);
@@ -173,7 +173,7 @@ void add_flags(CLI::App& command, Request* request) {
 }  // namespace
 
 std::function<void()> add_hermosilla(CLI::App* app) {
-  return add_trial<Request>(
+  return add_trial<HermosillaTrial>(
       app, "hermosilla", "Train the point network of Hermosilla et al., as the paper improved it",
       add_flags, run);
 }

@@ -93,7 +93,7 @@ class RenderFormerShapeImpl : public torch::nn::Module {
 };
 TORCH_MODULE(RenderFormerShape);
 
-struct Request : Trial {
+struct MemoryTrial : Trial {
   std::string network = "whole", attention = "fused";
   int64_t primitives = 1024, side = 64, channels = 128;
   bool forward_only = false;
@@ -105,7 +105,7 @@ struct Measured {
   std::function<at::Tensor()> answer;
 };
 
-Measured renderformer(const Request& request, Attention attention) {
+Measured renderformer(const MemoryTrial& request, Attention attention) {
   RenderFormerShape network(attention);
   const int64_t bundles = std::max<int64_t>(1, request.side / kBundle);
   const at::Tensor triangles = at::randn({request.primitives, kTriangleInputs});
@@ -113,7 +113,7 @@ Measured renderformer(const Request& request, Attention attention) {
   return {network.ptr(), [=]() mutable { return network->forward(triangles, rays); }};
 }
 
-Measured ours(const Request& request, Attention attention) {
+Measured ours(const MemoryTrial& request, Attention attention) {
   nn::ModelConfig config;  // the paper's
   config.channels = request.channels;
   config.dropout = 0;
@@ -137,7 +137,7 @@ std::unique_ptr<torch::optim::AdamW> with_moments(torch::nn::Module& network) {
   return optimizer;
 }
 
-void run(const Request& request) {
+void run(const MemoryTrial& request) {
   begin_trial(request);
   const Attention attention = request.attention == "stored" ? Attention::Stored : Attention::Fused;
   Measured measured = request.network == "renderformer" ? renderformer(request, attention)
@@ -168,7 +168,7 @@ void run(const Request& request) {
                          {"cpu_seconds", seconds}});
 }
 
-void add_flags(CLI::App& command, Request* request) {
+void add_flags(CLI::App& command, MemoryTrial* request) {
   add_choice(command, "--network", &request->network,
              {"renderformer", "vanilla", "encoder", "whole"}, "What is measured");
   add_choice(command, "--attention", &request->attention, {"fused", "stored"},
@@ -185,9 +185,9 @@ void add_flags(CLI::App& command, Request* request) {
 }  // namespace
 
 std::function<void()> add_memory(CLI::App* app) {
-  return add_trial<Request>(app, "memory",
-                            "Peak memory and time of one training step by the number of primitives",
-                            add_flags, run);
+  return add_trial<MemoryTrial>(
+      app, "memory", "Peak memory and time of one training step by the number of primitives",
+      add_flags, run);
 }
 
 }  // namespace lte::experiments

@@ -28,14 +28,14 @@
 namespace lte::experiments {
 namespace {
 
-struct Request : Trial {
+struct RoadmapTrial : Trial {
   std::string network = "whole";
   int64_t steps = 400, looks = 1, scenes = 0;
 };
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-train::TrainConfig configuration(const Request& request) {
+train::TrainConfig configuration(const RoadmapTrial& request) {
   train::TrainConfig config = training_config(request, {concat("train.steps=", request.steps)});
   LTE_CHECK(!config.model.reads_light() && !config.model.predicts_radiance(),
             "model.light_input: the roadmap's networks read emission alone");
@@ -108,7 +108,7 @@ double train_step(RoadmapModel& model, const std::vector<train::Example>& exampl
   return loss.item<double>();
 }
 
-void run(const Request& request) {
+void run(const RoadmapTrial& request) {
   begin_trial(request);
   train::TrainConfig config = configuration(request);
   train::RunData data = train::open_run_data(config);
@@ -171,7 +171,7 @@ void run(const Request& request) {
   write_report(request, std::move(json));
 }
 
-void add_flags(CLI::App& command, Request* request) {
+void add_flags(CLI::App& command, RoadmapTrial* request) {
   add_choice(command, "--network", &request->network, {"vanilla", "encoder", "whole"},
              "Row of the roadmap");
   add_config_options(command, request);
@@ -185,7 +185,7 @@ void add_flags(CLI::App& command, Request* request) {
 }  // namespace
 
 std::function<void()> add_roadmap(CLI::App* app) {
-  return add_trial<Request>(
+  return add_trial<RoadmapTrial>(
       app, "roadmap", "Train one network of the paper's roadmap and measure it on held-out scenes",
       add_flags, run);
 }

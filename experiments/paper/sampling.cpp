@@ -22,7 +22,7 @@
 namespace lte::experiments {
 namespace {
 
-struct Request : Trial {
+struct SamplingTrial : Trial {
   int64_t candidates = 65'536, points = 0;
 };
 
@@ -48,7 +48,7 @@ double error_of(const EvalScene& scene, const runtime::Network& network,
   return image::mse(runtime::floats(answer), runtime::floats(queries.reference));
 }
 
-void run(const Request& request) {
+void run(const SamplingTrial& request) {
   begin_trial(request);
   const runtime::Network network(request.checkpoint);
   LTE_CHECK(network.light_request().depth == 0, request.checkpoint,
@@ -95,7 +95,7 @@ void run(const Request& request) {
   write_report(request, std::move(rows));
 }
 
-void add_flags(CLI::App& command, Request* request) {
+void add_flags(CLI::App& command, SamplingTrial* request) {
   add_data_option(command, request, "Data set generated with --glb; its test split");
   command.add_option("--checkpoint", request->checkpoint, "Model (.safetensors)")->required();
   add_count(command, "--candidates", &request->candidates, 1, "Points by area that are drawn from");
@@ -105,9 +105,9 @@ void add_flags(CLI::App& command, Request* request) {
 }  // namespace
 
 std::function<void()> add_sampling(CLI::App* app) {
-  return add_trial<Request>(app, "sampling",
-                            "Compare ways to draw scene points by a network's error from them",
-                            add_flags, run);
+  return add_trial<SamplingTrial>(
+      app, "sampling", "Compare ways to draw scene points by a network's error from them",
+      add_flags, run);
 }
 
 }  // namespace lte::experiments
