@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""Error of lte_probe at random points of scenes, as path-traced samples a point of the same error.
+
+usage: scripts/figures/point_errors.py FOLDER|SCENE ... [--work DIR] [--bin DIR] [--json FILE]
+
+lte_datagen draws points where light reaches and traces their light (--rays paths each, kept in the
+work folder); lte_probe answers there by gathered rays, over traced light and over the network's.
+Direct light is left out. The mean square of the difference is rid of the reference's own variance.
+"""
+import argparse
+import array
+import csv
+import json
+import math
+import pathlib
+import resource
+import statistics
+import struct
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SUFFIXES = {".glb", ".gltf", ".pbrt", ".obj", ".ply"}
+NAMES = ("px", "py", "pz", "nx", "ny", "nz")
+
+
+def read_sample(path):
+    """Float tensors of a sample file by name, flat, and their shapes."""
+    with open(path, "rb") as file:
+        header = json.loads(file.read(struct.unpack("<Q", file.read(8))[0]))
+        start = file.tell()
+        out = {}
+        for name, entry in header.items():
+            if entry.get("dtype") == "F32":
+                begin, end = entry["data_offsets"]
+                file.seek(start + begin)
+                out[name] = array.array("f", file.read(end - begin)), entry["shape"]
+        return out
+
+
+def sum_of_groups(tensor):
+    """Of [groups, N, 3]: N rows of three."""
+    values, (groups, count, _) = tensor
+    return [[math.fsum(values[(g * count + i) * 3 + c] for g in range(groups)) for c in range(3)]
+            for i in range(count)]
+
+
+def processor_seconds(command):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"point_errors.py: {' '.join(map(str, command))}: {done.stderr.strip()}")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def measure(scene, name, args):
+    """By integrator: samples of the same error, ratio of means, processor seconds."""
+    sample = args.work / f"{name}-{args.points}-{args.rays}.safetensors"
+    if not sample.exists():
+        processor_seconds([args.bin / "lte_datagen", "bake", scene, "--out", sample, "--prune",
+                           "--scene-points", "64", "--views", "0", "--quiet",
+                           "--queries", str(args.points), "--rays", str(args.rays)])
+    tensors = read_sample(sample)
+    truth = sum_of_groups(tensors["indirect"])
+    variance = statistics.fmean(tensors["variance"][0])  # of the mean over all rays
+    places, facing = tensors["query_position"][0], tensors["query_normal"][0]
+    table, answers = args.work / f"{name}.csv", args.work / f"{name}-light.csv"
+    with open(table, "w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(NAMES)
+        rows.writerows([*places[3 * i:3 * i + 3], *facing[3 * i:3 * i + 3]]
+                       for i in range(len(truth)))
+    out = {}
+    for integrator in ("gather", "network"):
+        seconds = processor_seconds([args.bin / "lte_probe", scene, "--points", table, "--out",
+                                     answers, "--integrator", integrator, "--quiet"])
+        with open(answers, newline="") as file:
+            found = [[float(row[f"total_{c}"]) - float(row[f"direct_{c}"]) for c in "rgb"]
+                     for row in csv.DictReader(file)]
+        square = statistics.fmean((a - b)**2 for f, t in zip(found, truth) for a, b in zip(f, t))
+        error = square - variance
+        out[integrator] = {
+            # Where the error drowns in the reference's, at least as many as the reference has.
+            "worth": args.rays * variance / error if error > variance / 10 else 10.0 * args.rays,
+            "mean_ratio": math.fsum(map(math.fsum, found)) / math.fsum(map(math.fsum, truth)),
+            "processor_seconds": seconds}
+    return out
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="+", type=pathlib.Path)
+    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/benchmarks/points")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/bin")
+    parser.add_argument("--points", type=int, default=512)
+    parser.add_argument("--rays", type=int, default=2048, help="paths a point of the reference")
+    parser.add_argument("--json", type=pathlib.Path)
+    args = parser.parse_args()
+    args.work.mkdir(parents=True, exist_ok=True)
+    files = []
+    for path in args.scenes:
+        files += sorted(f for f in path.rglob("*") if f.suffix in SUFFIXES) if path.is_dir() else [path]
+    scenes = []
+    for file in files:
+        scenes.append({"name": file.name, **measure(file, file.stem, args)})
+        print(scenes[-1]["name"], *(f"{i} {scenes[-1][i]['worth']:.0f}"
+                                    for i in ("gather", "network")), flush=True)
+    methods = [{"name": integrator,
+                "worth": math.exp(statistics.fmean(math.log(s[integrator]["worth"])
+                                                   for s in scenes)),
+                "least": min(s[integrator]["worth"] for s in scenes),
+                "processor_seconds": statistics.median(s[integrator]["processor_seconds"]
+                                                       for s in scenes)}
+               for integrator in ("gather", "network")]
+    result = {"points": args.points, "rays": args.rays, "scenes": scenes, "methods": methods}
+    if args.json:
+        args.json.write_text(json.dumps(result, indent=1) + "\n")
+    for method in methods:
+        print(f"{method['name']}: {method['worth']:.0f} samples a point, least "
+              f"{method['least']:.0f}, {method['processor_seconds']:.2f} processor seconds")
+
+
+if __name__ == "__main__":
+    main()
