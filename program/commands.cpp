@@ -40,7 +40,7 @@ const Command kCommands[] = {
     {"bake", "lte_bake", "light maps and probes, without a GPU", "xatlas", lte_bake_main},
     {"data", "lte_datagen", "scenes and training data", "Embree", lte_datagen_main},
     {"train", "lte_train", "a network from data", kTorch, lte_train_main},
-    {"eval", "lte_eval", "a network's error on data", kTorch, lte_eval_main},
+    {"eval", "lte_eval", "a network's error on data", "Embree", lte_eval_main},
     {"export", "lte_export", "a network as TorchScript", kTorch, lte_export_main},
     {"bench", "lte_bench", "times of every stage", kTorch, lte_bench_main},
     {"info", "lte_datagen", "what is in a scene or a data set", "Embree", lte_datagen_main},
@@ -67,7 +67,8 @@ void print_usage(std::ostream& out) {
 int run(const Command& command, std::vector<std::string> words) {
   if (command.run == nullptr) {
     std::cerr << "lte: " << command.name << " needs " << command.needs
-              << ", which this package is built without: build lte from its sources\n";
+              << ", which this package is built without: install lte from its sources "
+                 "(scripts/build.sh)\n";
     return 1;
   }
   words.insert(words.begin(), std::string(command.tool));

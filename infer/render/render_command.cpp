@@ -31,7 +31,6 @@
 #include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/writable.h"
-#include "lte/embed/untrained_light.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
@@ -156,15 +155,11 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
                     settings.output != Output::Direct);
   const bool saves = !request.embedding.save.empty() && renderer.has_light();
   if (settings.method != Method::Network || !(lit || saves)) return std::nullopt;
-  const scene::Scene& scene = renderer.bvh().scene();
-  std::optional<runtime::Network> network(std::in_place, checkpoint_or_shipped(request.checkpoint),
-                                          network_options(request.tool));
-  if (!embed::has_untrained_light(scene, network->metadata())) return network;
-  const std::vector<int> culled =
-      culled_lights(request.embedding, renderer.bvh(), *network,
-                    embed_settings(request.embedding, request.seed, {}), cameras_of(views));
-  if (!embed::has_untrained_light(scene, network->metadata(), culled)) return network;
-  log_info(embed::traced_light_note(scene, culled));
+  runtime::Network network(checkpoint_or_shipped(request.checkpoint),
+                           network_options(request.tool));
+  if (knows_light(request.embedding, renderer.bvh(), network,
+                  embed_settings(request.embedding, request.seed, {}), cameras_of(views)))
+    return network;
   *records = Method::Gather;
   return std::nullopt;
 }

@@ -4,6 +4,7 @@
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/embed/embedding_key.h"
+#include "lte/embed/untrained_light.h"
 
 namespace lte::infer {
 
@@ -61,6 +62,16 @@ double cull_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
   if (!settings->culled_lights.empty())
     log_info(embed::culled_lights_note(bvh.scene(), settings->culled_lights, receivers));
   return seconds;
+}
+
+bool knows_light(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                 const runtime::Network& network, const EmbedSettings& settings,
+                 const embed::Receivers& receivers) {
+  if (!embed::has_untrained_light(bvh.scene(), network.metadata())) return true;
+  const std::vector<int> culled = culled_lights(flags, bvh, network, settings, receivers);
+  if (!embed::has_untrained_light(bvh.scene(), network.metadata(), culled)) return true;
+  log_info(embed::traced_light_note(bvh.scene(), culled));
+  return false;
 }
 
 void provide_embedding(const EmbeddingFlags& flags, const runtime::Network& network,

@@ -47,6 +47,12 @@ double cull_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
                    const runtime::Network& network, const embed::Receivers& receivers,
                    EmbedSettings* settings);
 
+/// Whether the network has seen in training all kinds of light that it would read. A line says so
+/// where not: paths then trace the light of records in its place.
+bool knows_light(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                 const runtime::Network& network, const EmbedSettings& settings,
+                 const embed::Receivers& receivers);
+
 /// Reads the renderer's embedding from the file of --embedding, or makes it by embed() and writes
 /// it to that of --save-embedding.
 /// @throws lte::Error as Renderer::embed() and runtime::load_embedding()

@@ -84,8 +84,10 @@ render::CacheSettings cache_settings(const LightRequest& request) {
 }
 
 runtime::Network load_network(const LightRequest& request, const scene::Scene& scene) {
-  runtime::Network network(checkpoint_or_shipped(request.checkpoint),
-                           network_options(request.tool));
+  runtime::Network network = request.network
+                                 ? *request.network
+                                 : runtime::Network(checkpoint_or_shipped(request.checkpoint),
+                                                    network_options(request.tool));
   network.check_fits(max_component(scene::point_bounds(scene).extent()), request.embedding.rescale);
   return network;
 }

@@ -20,6 +20,7 @@ namespace lte::infer {
 /// The command line as it stands. The flags themselves check its words.
 struct LightRequest : SceneSource {
   std::string integrator = "gather", checkpoint;
+  std::optional<runtime::Network> network;  ///< of `checkpoint`, where it is loaded already
   int max_depth = 5;
   int64_t records = render::CacheSettings().records;
   uint64_t seed = 0;
@@ -54,7 +55,8 @@ void claim_light_files(const LightRequest& request, CommandFiles* files);
 /// Settings of a cache, but for its seed.
 render::CacheSettings cache_settings(const LightRequest& request);
 
-/// The network of the request. @throws runtime::LimitError where the scene is wider than it knows
+/// The network of the request.
+/// @throws runtime::LimitError where the scene is wider than it knows
 runtime::Network load_network(const LightRequest& request, const scene::Scene& scene);
 
 /// The scene as the network reads it. Warns of light in it that the network does not know.

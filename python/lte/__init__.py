@@ -4,35 +4,39 @@ Units are those of the command-line tools: metres; radiance in W sr^-1 m^-2; irr
 not divided by pi; colors are linear Rec.709. Every answer is a function of its arguments and its
 seed, whatever the number of threads.
 
-Light is gathered or path-traced. The network is in lte's command-line tools.
+Light is gathered, path-traced, or what a network has learnt of it.
 """
 
-import json
+from __future__ import annotations
+
+import functools
 import os
 import pathlib
 from collections.abc import Iterable
-from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any, Literal, NamedTuple, TypeAlias
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from lte import _lte
-from lte._arguments import Floats, Path, choice, number, path_text, surface, whole
+from lte._arguments import Path, choice, number, path_text, whole
 from lte._lte import Error
-from lte.bridges import trimesh_scene
+
+if TYPE_CHECKING:  # NumPy is imported where there is work for it
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from lte._arrays import Floats
 
 __version__: str = _lte.__version__
-__all__ = ["Camera", "Error", "Light", "LightMap", "Picture", "Scene", "bake", "from_blender",
-           "from_mitsuba", "from_usd", "generate_dataset", "generate_scene", "irradiance",
-           "living_room", "load", "render", "set_threads", "set_verbose", "threads", "to_mitsuba",
-           "trace"]
+__all__ = ["Camera", "Embedding", "Error", "Light", "LightMap", "Model", "Picture", "Scene", "bake",
+           "from_blender", "from_mitsuba", "from_usd", "generate_dataset", "generate_scene",
+           "irradiance", "living_room", "load", "render", "set_threads", "set_verbose", "threads",
+           "to_mitsuba", "trace"]
 
-Integrator: TypeAlias = Literal["gather", "path"]
+Integrator: TypeAlias = Literal["gather", "network", "path"]
 
 #: A scene that comes with the package.
 living_room = pathlib.Path(__file__).parent / "scenes" / "living_room.glb"
+_lte_base = pathlib.Path(__file__).parent / "models" / "lte-base.safetensors"
 
 
 class Camera(NamedTuple):
@@ -44,8 +48,7 @@ class Camera(NamedTuple):
     vfov: float = 45
 
 
-@dataclass(frozen=True)
-class Light:
+class Light(NamedTuple):
     """Irradiance at points, W/m²."""
 
     total: Floats  #: [N, 3], or [lights, N, 3] by lamp
@@ -64,12 +67,12 @@ class Picture:
         self._made = made
         self.color: Floats = made.color()  #: [H, W, 3] linear; of output "depth" [H, W], metres
         self.layers: dict[str, Floats] = made.layers()  #: albedo, normal, depth, emission, ...
-        self.camera: dict[str, Any] = json.loads(made.camera)  #: as in a camera file
+        self.camera: dict[str, Any] = _parsed(made.camera)  #: as in a camera file
         self.passes: int = made.passes  #: that were made
         self.denoiser: str = made.denoiser  #: what took noise away, or ""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Floats:
-        return self.color.astype(dtype or np.float32, copy=bool(copy))
+        return self.color.astype(dtype or self.color.dtype, copy=bool(copy))
 
     def exposure(self, ev: float = 0) -> float:
         """The factor that save() shows light by, chosen by the picture."""
@@ -122,6 +125,7 @@ class Scene:
     @property
     def bounds(self) -> tuple[Floats, Floats]:
         """The least and the largest corner."""
+        import numpy as np
         low, high = self._made.bounds
         return np.array(low, np.float32), np.array(high, np.float32)
 
@@ -148,6 +152,64 @@ class Scene:
         self._made.save(path_text(path))
 
 
+class Model:
+    """A network that has learnt light. Threads may use one at the same time."""
+
+    def __init__(self, made: Any) -> None:
+        self._made = made
+
+    def __repr__(self) -> str:
+        return f"<lte.Model {self.name!r}: {self.parameters} parameters>"
+
+    @staticmethod
+    def load(path: Path | None = None, *, precision: Literal["fp32", "bf16"] = "fp32") -> Model:
+        """Reads a .safetensors, by default lte-base, which comes with the package.
+
+        Raises lte.Error, which names the file, if it is missing, damaged, or no model.
+        """
+        file = _lte_base if path is None else path
+        return Model(_lte.load_model(path_text(file),
+                                     choice("precision", precision, "fp32", "bf16")))
+
+    @property
+    def name(self) -> str:
+        return pathlib.Path(self._made.path).stem
+
+    @property
+    def parameters(self) -> int:
+        return int(self._made.parameters)
+
+    def encode(self, scene: Scene, *, scene_points: int | None = None,
+               seed: int = 0) -> Embedding:
+        """The scene as the network sees it, by default from as many points as it needs."""
+        points = 0 if scene_points is None else whole("scene_points", scene_points, 1, 1 << 28)
+        return Embedding(self._made.encode(_made(scene), points, _seed(seed)), scene)
+
+
+class Embedding:
+    """A scene that Model.encode() has encoded. Threads may ask at the same time."""
+
+    def __init__(self, made: Any, scene: Scene) -> None:
+        self._made = made
+        self.scene = scene
+
+    @property
+    def scene_points(self) -> int:
+        return int(self._made.scene_points)
+
+    def irradiance(self, points: ArrayLike, normals: ArrayLike, *,
+                   albedo: ArrayLike | None = None) -> Floats:
+        """Indirect irradiance [N, 3], W/m², as the network says it, in microseconds a point.
+
+        `albedo` [N, 3] is by default that of the surfaces. lte.irradiance() has light that rays
+        gather, which is nearer to the truth, with its error.
+        """
+        from lte._arrays import colors, surface
+        at, side = surface(points, normals)
+        color = None if albedo is None else colors("albedo", albedo, len(at))
+        return self._made.decode(self.scene._made, at, side, color)  # type: ignore[no-any-return]
+
+
 def load(path: Path | Any, *, up: Literal["y", "z"] = "y", environment: Path = "",
          environment_turn: float = 0, add_light: str | Iterable[str] = (),
          allow_outside: bool = False) -> Scene:
@@ -156,7 +218,8 @@ def load(path: Path | Any, *, up: Literal["y", "z"] = "y", environment: Path = "
 
     Raises lte.Error, which names the file, if it is missing, damaged, or of another format.
     """
-    if trimesh_scene.is_scene(path):
+    if type(path).__module__.split(".")[0] == "trimesh" and hasattr(path, "export"):
+        from lte.bridges import trimesh_scene
         return trimesh_scene.load(path, up=up, environment=environment,  # type: ignore
                                   environment_turn=environment_turn, add_light=add_light)
     lights = [add_light] if isinstance(add_light, str) else [str(light) for light in add_light]
@@ -205,7 +268,7 @@ def from_usd(stage: Any, **options: Any) -> Scene:
 
 
 def render(scene: Scene, *, size: tuple[int, int] = (512, 512), camera: str | int | Camera = "",
-           integrator: Integrator = "gather",
+           integrator: Integrator = "gather", model: Model | None = None,
            quality: Literal["draft", "preview", "final"] = "final", time: float | None = None,
            spp: int | None = None, output: str = "full", depth: int = 5, seed: int = 0,
            denoise: bool = True) -> Picture:
@@ -213,7 +276,7 @@ def render(scene: Scene, *, size: tuple[int, int] = (512, 512), camera: str | in
 
     `camera` is a Camera, or the name or number of one of the scene's, "auto", or a camera file; by
     default the scene's first, else the automatic one. `time` is in seconds. `spp` goes with the
-    integrator path.
+    integrator path, `model` with network, by default lte-base.
     """
     made = _made(scene)
     try:
@@ -228,26 +291,28 @@ def render(scene: Scene, *, size: tuple[int, int] = (512, 512), camera: str | in
         word, given = str(camera), None
     return Picture(_lte.render(
         made, whole("size: width", width, 1, 65536), whole("size: height", height, 1, 65536), word,
-        given, _integrator(integrator), str(quality),
+        given, _integrator(integrator), _network(integrator, model), str(quality),
         0 if time is None else number("time", time, 1e-6, 1e9),
         0 if spp is None else whole("spp", spp, 1, 1 << 20), str(output), _depth(depth),
         _seed(seed), bool(denoise)))
 
 
 def irradiance(scene: Scene, points: ArrayLike, normals: ArrayLike, *,
-               integrator: Integrator = "gather", spp: int | None = None,
-               error: float | None = None, depth: int = 5, seed: int = 0) -> Light:
+               integrator: Integrator = "gather", model: Model | None = None,
+               spp: int | None = None, error: float | None = None, depth: int = 5,
+               seed: int = 0) -> Light:
     """Irradiance at points, on the side of the normals: lte_probe's answers.
 
     Every call makes irradiance caches, a second or two, and many points take little longer than
     one. `spp` is rays a point, by default 256, of the integrator path 1024. `error` goes with path:
-    the relative standard error that it traces to.
+    the relative standard error that it traces to. `model` goes with network, by default lte-base.
     """
     made = _made(scene)
     if error is not None and integrator != "path":
         raise ValueError('error goes with integrator="path"')
+    from lte._arrays import surface
     at, side = surface(points, normals)
-    found = _lte.probe(made, at, side, _integrator(integrator),
+    found = _lte.probe(made, at, side, _integrator(integrator), _network(integrator, model),
                        0 if spp is None else whole("spp", spp, 1, 1 << 20),
                        0 if error is None else number("error", error, 1e-6, 1e6), _depth(depth),
                        _seed(seed))
@@ -262,6 +327,7 @@ def trace(scene: Scene, points: ArrayLike, normals: ArrayLike, *, rays: int = 10
     Light is linear: what lamps give, dimmed, is the sum of what each gives times its gain.
     """
     made = _made(scene)
+    from lte._arrays import surface
     at, side = surface(points, normals)
     found = _lte.trace(made, at, side, whole("rays", rays, 2, 1 << 20), _depth(depth), _seed(seed),
                        bool(by_light))
@@ -271,13 +337,14 @@ def trace(scene: Scene, points: ArrayLike, normals: ArrayLike, *, rays: int = 10
 
 def bake(scene: Scene, *, texels_per_metre: float = 32, size: int | None = None,
          keep_uvs: bool = False, include: Literal["full", "indirect"] = "full",
-         by_light: bool = False, integrator: Integrator = "gather",
+         by_light: bool = False, integrator: Integrator = "gather", model: Model | None = None,
          quality: Literal["draft", "preview", "final"] = "preview", time: float | None = None,
          error: float | None = None, probes: str = "", depth: int = 5, seed: int = 0) -> LightMap:
     """A light map, the one that lte_bake makes with flags of these names.
 
     `size` is the edge of the picture, in the place of texels_per_metre. `time` is in seconds.
     `by_light` makes a layer of each lamp. `probes` are "auto" or "8x4x8", and are saved beside.
+    `model` goes with the integrator network, by default lte-base.
     """
     made = _made(scene)
     if not hasattr(_lte, "bake"):
@@ -286,7 +353,8 @@ def bake(scene: Scene, *, texels_per_metre: float = 32, size: int | None = None,
         made, number("texels_per_metre", texels_per_metre, 1e-6, 1e6),
         0 if size is None else whole("size", size, 16, 16384), bool(keep_uvs),
         choice("include", include, "full", "indirect"), bool(by_light), _integrator(integrator),
-        str(quality), 0 if time is None else number("time", time, 1e-6, 1e9),
+        _network(integrator, model), str(quality),
+        0 if time is None else number("time", time, 1e-6, 1e9),
         0 if error is None else number("error", error, 1e-6, 1e6), str(probes), _depth(depth),
         _seed(seed)))
 
@@ -322,6 +390,11 @@ def set_verbose(verbose: bool) -> None:
     _lte.set_verbose(bool(verbose))
 
 
+def _parsed(text: str) -> dict[str, Any]:
+    import json
+    return json.loads(text)  # type: ignore[no-any-return]
+
+
 def _checked(scene: Scene) -> Scene:
     if not isinstance(scene, Scene):
         raise TypeError(f"scene: expected lte.Scene, got {type(scene).__name__}")
@@ -333,10 +406,23 @@ def _made(scene: Scene) -> Any:
 
 
 def _integrator(word: str) -> str:
-    if word == "network":
-        raise ValueError("integrator: this package has no network; lte's command-line tools have "
-                         "one")
-    return choice("integrator", word, "gather", "path")
+    return choice("integrator", word, "gather", "network", "path")
+
+
+def _network(integrator: str, model: Model | None) -> Any:
+    """What the module takes for the model: None unless the integrator is network."""
+    if model is not None and not isinstance(model, Model):
+        raise TypeError(f"model: expected lte.Model, got {type(model).__name__}")
+    if integrator != "network":
+        if model is not None:
+            raise ValueError('model goes with integrator="network"')
+        return None
+    return (model or _default_model())._made
+
+
+@functools.cache
+def _default_model() -> Model:
+    return Model.load()
 
 
 def _camera(camera: Camera) -> tuple[Any, ...]:

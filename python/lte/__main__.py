@@ -11,8 +11,7 @@ FOLDER = pathlib.Path(__file__).parent
 
 def main() -> int:
     os.environ.setdefault("LTE_VIEW_PAGE", str(FOLDER / "view"))
-    if sys.argv[1:2] == ["demo"]:
-        os.environ.setdefault("LTE_ASSETS", str(FOLDER))
+    os.environ.setdefault("LTE_ASSETS", str(FOLDER))
     return int(run_command(["lte", *sys.argv[1:]]))
 
 

@@ -35,7 +35,7 @@ nb::ndarray<nb::numpy, uint8_t> mask(const Baked& self) {
 
 Baked bake_lightmap(const Scene& self, double texels_per_metre, int size, bool keep_uvs,
                     const std::string& include, bool by_light, const std::string& integrator,
-                    const std::string& quality, double seconds, double error,
+                    const Model* model, const std::string& quality, double seconds, double error,
                     const std::string& probes, int depth, uint64_t seed) {
   infer::BakeRequest request;
   request.scene = self.scene().name;
@@ -43,6 +43,10 @@ Baked bake_lightmap(const Scene& self, double texels_per_metre, int size, bool k
   request.include = include;
   request.by_light = by_light;
   request.integrator = integrator;
+  if (model != nullptr) {
+    request.checkpoint = model->path;
+    request.network = model->network;
+  }
   argument([&] { parse_enum<infer::Quality>("quality", quality); });
   request.quality = quality;
   if (seconds > 0) request.time = concat(seconds, "s");
@@ -51,6 +55,7 @@ Baked bake_lightmap(const Scene& self, double texels_per_metre, int size, bool k
   request.max_depth = depth;
   request.seed = seed;
   return interruptible([&] {
+    if (model != nullptr) apply_threads();
     infer::Renderer renderer = self.renderer();
     return std::move(*infer::bake_scene(request, &renderer));
   });
@@ -74,7 +79,10 @@ void bind_bake(nb::module_& m) {
                    [](const Baked& self) { return self.map.provenance.expected_error; })
       .def_prop_ro("texels_per_metre",
                    [](const Baked& self) { return self.map.provenance.texels_per_metre; });
-  m.def("bake", &bake_lightmap);
+  m.def("bake", &bake_lightmap, nb::arg("scene"), nb::arg("texels_per_metre"), nb::arg("size"),
+        nb::arg("keep_uvs"), nb::arg("include"), nb::arg("by_light"), nb::arg("integrator"),
+        nb::arg("model").none(), nb::arg("quality"), nb::arg("seconds"), nb::arg("error"),
+        nb::arg("probes"), nb::arg("depth"), nb::arg("seed"));
   m.def("bake_formats", [] {
     std::vector<std::string> names{"gltf"};
     for (const bake::Format& format : bake::engine_formats()) names.emplace_back(format.name);

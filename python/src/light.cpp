@@ -7,20 +7,25 @@
 #include "infer/probe/probe_answers.h"
 #include "lte/base/log.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/probe.h"
 
 #include "python/src/module.h"
 
 namespace lte::python {
 namespace {
 
-std::vector<Vec3> directions_of(const Triples& rows) {
-  std::vector<Vec3> out = vector_of(rows);
-  for (Vec3& row : out) row = normalize(row);
-  return out;
+/// Points given with too few digits lie on their surfaces, as lte_probe has it.
+scene::PointTable table_of(const Scene& scene, const Triples& points, const Triples& normals) {
+  scene::PointTable table;
+  table.position = vector_of(points);
+  table.normal = directions_of(normals);
+  pathtrace::settle_points(*scene.bvh(), "points", &table);
+  return table;
 }
 
 nb::dict probe(const Scene& self, const Triples& points, const Triples& normals,
-               const std::string& integrator, int64_t spp, double error, int depth, uint64_t seed) {
+               const std::string& integrator, const Model* model, int64_t spp, double error,
+               int depth, uint64_t seed) {
   infer::ProbeRequest request;
   request.integrator = integrator;
   request.spp = spp;
@@ -28,14 +33,17 @@ nb::dict probe(const Scene& self, const Triples& points, const Triples& normals,
   request.max_depth = depth;
   request.seed = seed;
   const infer::ProbeAnswer answer = interruptible([&] {
-    scene::PointTable table;
-    table.position = vector_of(points);
-    table.normal = directions_of(normals);
+    const scene::PointTable table = table_of(self, points, normals);
     infer::Renderer renderer = self.renderer();
     if (!renderer.has_light()) return infer::darkness(table);
-    return infer::answer_points(request, nullptr, {}, table, &renderer);
+    if (model == nullptr) return infer::answer_points(request, nullptr, {}, table, &renderer);
+    apply_threads();
+    const infer::EmbedSettings settings = infer::embed_settings(
+        request, model->network, embed::SurfacePlaces{table.position, table.normal}, renderer);
+    return infer::answer_points(request, &model->network, settings, table, &renderer);
   });
-  const std::string note = infer::check_note(answer.check, "the gathered", "the points");
+  const std::string note = infer::check_note(
+      answer.check, model == nullptr ? "the gathered" : "the network's", "the points");
   if (!note.empty()) log_warning(self.scene().name, ": ", note);
   nb::dict out;
   out["total"] = array_of(answer.light.total);
@@ -68,10 +76,8 @@ nb::dict trace(const Scene& self, const Triples& points, const Triples& normals,
     options.max_depth = depth;
     options.seed = seed;
     options.by_group = by_light;
-    std::vector<Vec3> gathered;
-    std::span<const Vec3> at(reinterpret_cast<const Vec3*>(points.data()), points.shape(0));
-    if (!contiguous(points)) at = gathered = vector_of(points);
-    return pathtrace::estimate_irradiance(*self.bvh(), *self.lights(), at, directions_of(normals),
+    const scene::PointTable table = table_of(self, points, normals);
+    return pathtrace::estimate_irradiance(*self.bvh(), *self.lights(), table.position, table.normal,
                                           options);
   });
   std::vector<Rgb> error;
@@ -87,7 +93,9 @@ nb::dict trace(const Scene& self, const Triples& points, const Triples& normals,
 }  // namespace
 
 void bind_light(nb::module_& m) {
-  m.def("probe", &probe);
+  m.def("probe", &probe, nb::arg("scene"), nb::arg("points"), nb::arg("normals"),
+        nb::arg("integrator"), nb::arg("model").none(), nb::arg("spp"), nb::arg("error"),
+        nb::arg("depth"), nb::arg("seed"));
   m.def("trace", &trace);
 }
 

@@ -25,6 +25,7 @@ NB_MODULE(_lte, m) {
   python::bind_scene(m);
   python::bind_picture(m);
   python::bind_light(m);
+  python::bind_network(m);
 #ifdef LTE_HAS_BAKE
   python::bind_bake(m);
 #endif

@@ -9,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -20,6 +19,7 @@
 #include "lte/base/check.h"
 #include "lte/base/interruption.h"
 #include "lte/base/timer.h"
+#include "lte/runtime/network.h"
 
 namespace lte::python {
 
@@ -28,8 +28,6 @@ namespace nb = nanobind;
 /// [N, 3], read in place: three adjacent numbers a row, rows any distance apart.
 using Triples = nb::ndarray<const float, nb::shape<-1, 3>, nb::device::cpu>;
 using Array = nb::ndarray<nb::numpy, float>;
-
-inline bool contiguous(const Triples& rows) { return rows.shape(0) < 2 || rows.stride(0) == 3; }
 
 inline Vec3 row_of(const Triples& rows, size_t i) {
   const float* row = rows.data() + static_cast<int64_t>(i) * rows.stride(0);
@@ -40,6 +38,13 @@ inline std::vector<Vec3> vector_of(const Triples& rows) {
   std::vector<Vec3> out;
   out.reserve(rows.shape(0));
   for (size_t i = 0; i < rows.shape(0); ++i) out.push_back(row_of(rows, i));
+  return out;
+}
+
+/// Unit vectors.
+inline std::vector<Vec3> directions_of(const Triples& rows) {
+  std::vector<Vec3> out = vector_of(rows);
+  for (Vec3& row : out) row = normalize(row);
   return out;
 }
 
@@ -67,6 +72,26 @@ auto argument(const Check& check) {
   }
 }
 
+/// A network, and what tells it from others.
+struct Model {
+  Model(const std::string& file, runtime::Precision precision);
+
+  std::string path;
+  runtime::Network network;
+  std::string fingerprint;  ///< with its precision
+};
+
+/// What a cache of a scene is made of.
+struct CacheKey {
+  int64_t records = 0;
+  int paths = 0, depth = 0;
+  uint64_t seed = 0;
+  std::string network;  ///< whose light it has; traced light: none
+  std::vector<int> culled_lights;
+
+  bool operator==(const CacheKey&) const = default;
+};
+
 /// A scene with what all questions about it share. Nothing in it changes but the irradiance cache.
 class Scene {
  public:
@@ -77,9 +102,10 @@ class Scene {
   const std::shared_ptr<const pathtrace::Lights>& lights() const { return lights_; }
   /// One a call: several threads may ask at the same time.
   infer::Renderer renderer() const { return {bvh_, lights_, denoiser_}; }
-  /// Gives a renderer the cache that gathered pictures read; that of the last call where it is the
-  /// same.
-  void provide_cache(const render::CacheSettings& settings, infer::Renderer* renderer);
+  /// Gives a renderer the cache that pictures read; that of the last call where it is the same.
+  /// @param model     whose light it has, with what is embedded; null: paths trace it
+  void provide_cache(const render::CacheSettings& settings, const Model* model,
+                     const embed::EmbedSettings& embedding, infer::Renderer* renderer);
 
  private:
   std::unique_ptr<const scene::Scene> scene_;
@@ -87,9 +113,12 @@ class Scene {
   std::shared_ptr<const pathtrace::Lights> lights_;
   std::shared_ptr<render::SharedDenoiser> denoiser_;
   std::mutex mutex_;  ///< for what follows
-  std::tuple<int64_t, int, uint64_t> cached_ = {};
+  CacheKey cached_;
   std::shared_ptr<const gi::IrradianceCache> cache_;
 };
+
+/// Has the network compute by the threads of set_threads(). Before any work of it, in each thread.
+void apply_threads();
 
 /// Whether Python handles signals in this thread.
 inline bool in_main_thread() {
@@ -122,6 +151,7 @@ auto interruptible(const Work& work) {
 void bind_scene(nb::module_& m);
 void bind_picture(nb::module_& m);
 void bind_light(nb::module_& m);
+void bind_network(nb::module_& m);
 void bind_bake(nb::module_& m);
 
 }  // namespace lte::python

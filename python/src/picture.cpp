@@ -5,7 +5,9 @@
 
 #include "infer/render/exposure.h"
 #include "infer/render/frame_io.h"
+#include "infer/render/scene_size.h"
 #include "infer/render/views.h"
+#include "infer/renderer/embedding_flags.h"
 #include "lte/scene/load_camera.h"
 
 #include "python/src/module.h"
@@ -89,15 +91,33 @@ scene::Camera choose_camera(const Scene& scene, const std::string& word,
   return views.front().camera;
 }
 
-Picture render_picture(Scene* scene, const scene::Camera& camera, infer::RenderSettings settings) {
+/// Fills the renderer's cache as lte_render does: where the network meets light that it has never
+/// seen, by paths.
+void provide_cache(Scene* scene, const scene::Camera& camera, const Model* model,
+                   const infer::RenderSettings& settings, infer::Renderer* renderer) {
+  render::CacheSettings cache;
+  cache.paths = infer::record_paths(settings);
+  cache.max_depth = settings.max_depth;
+  cache.seed = settings.seed;
+  const infer::EmbeddingFlags flags;
+  infer::EmbedSettings embedding = infer::embed_settings(flags, settings.seed, {});
+  const embed::Receivers seen = std::vector{camera};
+  if (model != nullptr &&
+      !infer::knows_light(flags, *scene->bvh(), model->network, embedding, seen))
+    model = nullptr;
+  if (model != nullptr) {
+    apply_threads();
+    infer::check_size(scene->scene().name, scene->scene(), model->network, flags.rescale);
+    infer::cull_lights(flags, *scene->bvh(), model->network, seen, &embedding);
+  }
+  scene->provide_cache(cache, model, embedding, renderer);
+}
+
+Picture render_picture(Scene* scene, const scene::Camera& camera, const Model* model,
+                       infer::RenderSettings settings) {
   const Timer timer;
   infer::Renderer renderer = scene->renderer();
-  if (renderer.needs_cache(settings)) {
-    render::CacheSettings cache;
-    cache.max_depth = settings.max_depth;
-    cache.seed = settings.seed;
-    scene->provide_cache(cache, &renderer);
-  }
+  if (renderer.needs_cache(settings)) provide_cache(scene, camera, model, settings, &renderer);
   settings.seconds -= timer.seconds();
   Picture picture;
   picture.frame = renderer.render(camera, settings);
@@ -110,8 +130,8 @@ Picture render_picture(Scene* scene, const scene::Camera& camera, infer::RenderS
 
 Picture make_picture(Scene* scene, int width, int height, const std::string& camera_word,
                      const std::optional<GivenCamera>& given_camera, const std::string& integrator,
-                     const std::string& quality, double seconds, int spp, const std::string& output,
-                     int depth, uint64_t seed, bool denoise) {
+                     const Model* model, const std::string& quality, double seconds, int spp,
+                     const std::string& output, int depth, uint64_t seed, bool denoise) {
   infer::RenderSettings settings;
   settings.width = width;
   settings.height = height;
@@ -130,7 +150,8 @@ Picture make_picture(Scene* scene, int width, int height, const std::string& cam
   if (given_camera) given = camera_of(*given_camera);
   return interruptible([&] {
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
-    return render_picture(scene, choose_camera(*scene, camera_word, given, aspect), settings);
+    return render_picture(scene, choose_camera(*scene, camera_word, given, aspect), model,
+                          settings);
   });
 }
 
@@ -147,9 +168,9 @@ void bind_picture(nb::module_& m) {
       .def_ro("passes", &Picture::passes)
       .def_ro("denoiser", &Picture::denoiser);
   m.def("render", &make_picture, nb::arg("scene"), nb::arg("width"), nb::arg("height"),
-        nb::arg("camera_word"), nb::arg("camera").none(), nb::arg("integrator"), nb::arg("quality"),
-        nb::arg("seconds"), nb::arg("spp"), nb::arg("output"), nb::arg("depth"), nb::arg("seed"),
-        nb::arg("denoise"));
+        nb::arg("camera_word"), nb::arg("camera").none(), nb::arg("integrator"),
+        nb::arg("model").none(), nb::arg("quality"), nb::arg("seconds"), nb::arg("spp"),
+        nb::arg("output"), nb::arg("depth"), nb::arg("seed"), nb::arg("denoise"));
 }
 
 }  // namespace lte::python

@@ -25,17 +25,25 @@ Scene::Scene(scene::Scene scene)
       lights_(std::make_shared<const pathtrace::Lights>(*scene_)),
       denoiser_(std::make_shared<render::SharedDenoiser>()) {}
 
-void Scene::provide_cache(const render::CacheSettings& settings, infer::Renderer* renderer) {
-  const std::tuple key{settings.records, settings.max_depth, settings.seed};
+void Scene::provide_cache(const render::CacheSettings& settings, const Model* model,
+                          const embed::EmbedSettings& embedding, infer::Renderer* renderer) {
+  CacheKey key{settings.records,       settings.paths, settings.max_depth, settings.seed, "",
+               embedding.culled_lights};
+  if (model != nullptr) key.network = model->fingerprint;
   {
     const std::lock_guard lock(mutex_);
     if (cache_ && cached_ == key) return renderer->set_cache(cache_);
   }
-  auto cache =
-      std::make_shared<const gi::IrradianceCache>(render::make_cache({*bvh_, *lights_}, settings));
+  render::IrradianceSource source;
+  if (model != nullptr) {
+    renderer->embed(model->network, embedding);
+    source = renderer->source();
+  }
+  auto cache = std::make_shared<const gi::IrradianceCache>(
+      render::make_cache({*bvh_, *lights_}, settings, source));
   renderer->set_cache(cache);
   const std::lock_guard lock(mutex_);
-  cached_ = key;
+  cached_ = std::move(key);
   cache_ = std::move(cache);
 }
 

@@ -54,7 +54,7 @@ def test_probes_and_engines_are_saved(room, tmp_path):
     ({"size": 8}, "size: expected 16 to"), ({"texels_per_metre": 0}, "texels_per_metre: expected"),
     ({"texels_per_metre": 1e5}, "texels"), ({"quality": "best"}, "quality: expected draft"),
     ({"include": "half"}, "include: expected full | indirect"), ({"probes": "2x2"}, "probes"),
-    ({"integrator": "network"}, "integrator: this package has no network"),
+    ({"integrator": "light"}, "integrator: expected gather | network | path"),
     ({"keep_uvs": True}, "TEXCOORD_1")])
 def test_wrong_options_are_named(room, options, words):
     with pytest.raises((ValueError, lte.Error)) as caught:

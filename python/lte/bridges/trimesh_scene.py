@@ -7,11 +7,6 @@ import tempfile
 from typing import Any
 
 
-def is_scene(value: Any) -> bool:
-    """Whether it is a trimesh.Scene or Trimesh, without importing trimesh."""
-    return type(value).__module__.split(".")[0] == "trimesh" and hasattr(value, "export")
-
-
 def load(scene: Any, **options: Any) -> Any:
     import lte
     with tempfile.TemporaryDirectory() as folder:

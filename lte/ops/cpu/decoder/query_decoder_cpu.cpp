@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "lte/base/interruption.h"
 #include "lte/ops/cpu/decoder/packed_decoder.h"
 #include "lte/tensor/functions.h"
 #include "lte/tensor/library.h"
@@ -179,7 +180,10 @@ at::Tensor decode(const DecoderInputs& in, const PackedDecoder& net, float* sums
   const int64_t tiles = tile > 0 ? (Q + tile - 1) / tile : 0;
   at::parallel_for(0, tiles, 1, [&](int64_t begin, int64_t end) {
     TileDecoder decoder(work);
-    for (int64_t t = begin; t < end; ++t) decoder.run(t * tile, std::min(tile, Q - t * tile));
+    for (int64_t t = begin; t < end; ++t) {
+      Interruption::check();
+      decoder.run(t * tile, std::min(tile, Q - t * tile));
+    }
   });
   return out;
 }

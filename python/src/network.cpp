@@ -1,0 +1,89 @@
+// Models, a scene's embedding, and the light that is decoded from it.
+#include <atomic>
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <pthread.h>
+
+#include "infer/renderer/embedding_flags.h"
+#include "infer/tool/tool_options.h"
+#include "lte/base/log.h"
+#include "lte/base/parallel.h"
+#include "lte/base/passive_waiting.h"
+#include "lte/embed/point_albedo.h"
+#include "lte/embed/untrained_light.h"
+#include "lte/runtime/device.h"
+#include "lte/scene/light_points.h"
+
+#include "python/src/module.h"
+
+namespace lte::python {
+namespace {
+
+std::atomic<bool> threads_used{false}, threads_lost{false};
+
+std::unique_ptr<Model> load_model(const std::string& path, const std::string& precision) {
+  const auto chosen = argument([&] { return infer::choose_precision(precision); });
+  return interruptible([&] { return std::make_unique<Model>(path, chosen); });
+}
+
+std::unique_ptr<runtime::SceneEmbedding> encode(const Model& self, const Scene& scene,
+                                                int64_t scene_points, uint64_t seed) {
+  return interruptible([&] {
+    apply_threads();
+    const runtime::Network& network = self.network;
+    network.check_fits(max_component(scene::point_bounds(scene.scene()).extent()),
+                       /*rescale=*/true);
+    const std::string note = embed::untrained_light_note(scene.scene(), network.metadata());
+    if (!note.empty()) log_warning(scene.scene().name, ": ", note);
+    embed::EmbedSettings settings;
+    settings.scene_points = scene_points;
+    settings.seed = seed;
+    settings.rescale = true;
+    return std::make_unique<runtime::SceneEmbedding>(
+        embed::embed(*scene.bvh(), *scene.lights(), network, settings).embedding);
+  });
+}
+
+/// Indirect irradiance, [N, 3]. @param albedo  by default the surface's
+Array decode(const runtime::SceneEmbedding& self, const Scene& scene, const Triples& points,
+             const Triples& normals, const std::optional<Triples>& albedo) {
+  const std::vector<Rgb> light = interruptible([&] {
+    apply_threads();
+    const std::vector<Vec3> at = vector_of(points), side = directions_of(normals);
+    const std::vector<Rgb> color =
+        albedo ? vector_of(*albedo) : embed::albedo_at(*scene.bvh(), {at, side});
+    return self.decode({at, side, color});
+  });
+  return array_of(light);
+}
+
+}  // namespace
+
+Model::Model(const std::string& file, runtime::Precision precision)
+    : path(file),
+      network(file, {{}, precision}),
+      fingerprint(concat(network.fingerprint(), ' ', enum_name(precision))) {}
+
+void apply_threads() {
+  wait_passively();
+  threads_used = true;
+  // Of the threads that its parent had, a forked process has one, and OpenMP waits for the others.
+  runtime::set_torch_threads(threads_lost ? 1 : num_threads());
+}
+
+void bind_network(nb::module_& m) {
+  pthread_atfork(nullptr, nullptr, [] { threads_lost = threads_used.load(); });
+  nb::class_<Model>(m, "Model")
+      .def_prop_ro("path", [](const Model& self) { return self.path; })
+      .def_prop_ro("parameters", [](const Model& self) { return self.network.parameters(); })
+      .def("encode", &encode);
+  nb::class_<runtime::SceneEmbedding>(m, "Embedding")
+      .def_prop_ro("scene_points",
+                   [](const runtime::SceneEmbedding& self) { return self.info().scene_points; })
+      .def("decode", &decode, nb::arg("scene"), nb::arg("points"), nb::arg("normals"),
+           nb::arg("albedo").none());
+  m.def("load_model", &load_model);
+}
+
+}  // namespace lte::python
