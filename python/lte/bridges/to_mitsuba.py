@@ -3,6 +3,7 @@
 import pathlib
 import tempfile
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,12 @@ BEHIND = 1e-4  #: metres between the two sides of what shines from both
 SKY = 4096  #: columns of a sky at least: Mitsuba interpolates between texels, lte does not
 
 
-def export(scene: Any) -> dict[str, Any]:
+#: Of a glTF material's numbers, its color for Mitsuba, and its name: a BSDF.
+Surface = Callable[[dict[str, Any], dict[str, Any], str], dict[str, Any]]
+
+
+def export(scene: Any, surface: Surface | None = None, shift: Any = (0, 0, 0)) -> dict[str, Any]:
+    """What lies at `shift` comes to lie at the origin."""
     import mitsuba as mi
     if mi.variant() is None:
         mi.set_variant("scalar_rgb")
@@ -25,21 +31,38 @@ def export(scene: Any) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "scene.glb"
         scene.save(path)
-        return _Export(mi, GlbFile(path), pathlib.Path(folder)).run(scene)
+        export = _Export(mi, GlbFile(path), pathlib.Path(folder), surface or _surface)
+        return export.run(scene, np.asarray(shift, np.float64))
 
 
 def _rgb(value: Any) -> dict[str, Any]:
     return {"type": "rgb", "value": [float(v) for v in value]}
 
 
+def _surface(pbr: dict[str, Any], color: dict[str, Any], name: str) -> dict[str, Any]:
+    """Of metal, Mitsuba's principled has Schlick's Fresnel as lte, and another masking."""
+    matt = {"type": "diffuse", "reflectance": color}
+    metallic = float(pbr["metallicFactor"])
+    if metallic == 0:
+        return matt
+    if "metallicRoughnessTexture" in pbr:
+        warnings.warn(f"{name}: the picture of its roughness is left out", stacklevel=2)
+    metal = {"type": "principled", "base_color": color, "metallic": 1.0,
+             "roughness": float(pbr["roughnessFactor"])}
+    if metallic == 1:
+        return metal
+    return {"type": "blendbsdf", "weight": metallic, "bsdf_0": matt, "bsdf_1": metal}
+
+
 class _Export:
-    def __init__(self, mi: Any, glb: GlbFile, folder: pathlib.Path) -> None:
-        self.mi, self.glb, self.folder = mi, glb, folder
+    def __init__(self, mi: Any, glb: GlbFile, folder: pathlib.Path, surface: Surface) -> None:
+        self.mi, self.glb, self.folder, self.surface = mi, glb, folder, surface
         self.parts: dict[str, Any] = {"type": "scene"}
         self.pictures: dict[int, NDArray[np.float32]] = {}
 
-    def run(self, scene: Any) -> dict[str, Any]:
+    def run(self, scene: Any, shift: NDArray[np.float64]) -> dict[str, Any]:
         for number, (node, world) in enumerate(self.glb.nodes()):
+            world[:3, 3] -= shift
             extension = node.get("extensions", {}).get("KHR_lights_punctual")
             if "mesh" in node:
                 primitive, = self.glb.json["meshes"][node["mesh"]]["primitives"]
@@ -78,7 +101,7 @@ class _Export:
         elif colors is not None and not np.allclose(colors, factor):
             warnings.warn(f"{material['name']}: colors of vertices are left out", stacklevel=2)
         made: dict[str, Any] = {"type": "ply", "face_normals": True, "bsdf": {
-            "type": "twosided", "bsdf": self._surface(pbr, color, material["name"])}}
+            "type": "twosided", "bsdf": self.surface(pbr, color, material["name"])}}
         if emission.any():
             if base and glow and _place(base) != _place(glow):
                 warnings.warn(f"{material['name']}: the picture of its light is left out",
@@ -127,20 +150,6 @@ class _Export:
             self.pictures[image] = np.array(mi.Bitmap(str(path)).convert(
                 mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False))
         return self.pictures[image]
-
-    def _surface(self, pbr: dict[str, Any], color: dict[str, Any], name: str) -> dict[str, Any]:
-        """Of metal, Mitsuba's principled has Schlick's Fresnel as lte, and another masking."""
-        matt = {"type": "diffuse", "reflectance": color}
-        metallic = float(pbr["metallicFactor"])
-        if metallic == 0:
-            return matt
-        if "metallicRoughnessTexture" in pbr:
-            warnings.warn(f"{name}: the picture of its roughness is left out", stacklevel=2)
-        metal = {"type": "principled", "base_color": color, "metallic": 1.0,
-                 "roughness": float(pbr["roughnessFactor"])}
-        if metallic == 1:
-            return metal
-        return {"type": "blendbsdf", "weight": metallic, "bsdf_0": matt, "bsdf_1": metal}
 
     def _lamp(self, light: dict[str, Any], world: NDArray[np.float64], name: str) -> None:
         value = np.array(light.get("color", [1, 1, 1])) * light["intensity"]
