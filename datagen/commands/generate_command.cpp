@@ -1,6 +1,5 @@
 #include "datagen/commands/generate_command.h"
 
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -10,6 +9,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/base/to_number.h"
 #include "lte/cli/cli.h"
 
 namespace lte::datagen {
@@ -27,14 +27,10 @@ struct GenerateFlags {
 
 /// Reads "I/N".
 void parse_shard(const std::string& text, GenerateOptions* options) {
-  const char *begin = text.data(), *end = begin + text.size();
-  Shard& shard = options->shard;
-  const auto index = std::from_chars(begin, end, shard.index);
-  const bool slash = index.ec == std::errc() && index.ptr != end && *index.ptr == '/';
-  const auto count = slash ? std::from_chars(index.ptr + 1, end, shard.count) : index;
-  LTE_CHECK(slash && count.ec == std::errc() && count.ptr == end && shard.index >= 0 &&
-                shard.index < shard.count,
+  const auto numbers = to_numbers<int64_t, 2>(text, '/');
+  LTE_CHECK(numbers && (*numbers)[0] >= 0 && (*numbers)[0] < (*numbers)[1],
             "--shard: expected I/N with 0 <= I < N, got \"", text, "\"");
+  options->shard = {(*numbers)[0], (*numbers)[1]};
 }
 
 void report(const GenerateFlags& flags, const GenerateResult& result) {

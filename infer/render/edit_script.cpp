@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -13,6 +12,7 @@
 #include "lte/base/config_tree.h"
 #include "lte/base/file.h"
 #include "lte/base/text.h"
+#include "lte/base/to_number.h"
 
 namespace lte::infer {
 namespace {
@@ -44,14 +44,11 @@ constexpr std::array<const char*, 3> kTargets = {"light", "instance", "material"
 }
 
 double number_of(const ConfigTree& tree, const std::string& key) {
-  double value = 0;
-  const char *begin = tree.text.data(), *end = begin + tree.text.size();
-  if (begin != end && *begin == '+') ++begin;
-  const auto [at, error] = std::from_chars(begin, end, value);
-  const bool good = tree.kind == ConfigTree::Kind::Scalar && !tree.quoted && error == std::errc() &&
-                    at == end && std::isfinite(value);
-  if (!good) refuse(tree, key, concat("expected a finite number, got ", shown(tree)));
-  return value;
+  const bool plain = tree.kind == ConfigTree::Kind::Scalar && !tree.quoted;
+  const auto value = to_number<double>(without_plus(tree.text));
+  if (!plain || !value || !std::isfinite(*value))
+    refuse(tree, key, concat("expected a finite number, got ", shown(tree)));
+  return *value;
 }
 
 int integer_of(const ConfigTree& tree, const std::string& key, int least, int most) {

@@ -1,13 +1,13 @@
 #include "infer/render/exposure.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "infer/render/frame_io.h"
 #include "lte/base/check.h"
+#include "lte/base/to_number.h"
 
 namespace lte::infer {
 namespace {
@@ -19,12 +19,10 @@ std::string read_exposure(const std::string& text, ExposureOptions* options) {
   options->first = text == "first";
   options->exposure.reset();
   if (text == "auto" || options->first) return "";
-  double value = 0;
-  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || at != text.data() + text.size() || !(value >= kMinExposure) ||
-      value > kMaxExposure)
+  const auto value = to_number<double>(text);
+  if (!value || !(*value >= kMinExposure && *value <= kMaxExposure))
     return "expected auto, first or a factor from 1e-30 to 1e30";
-  options->exposure = value;
+  options->exposure = *value;
   return "";
 }
 

@@ -1,10 +1,10 @@
 #include "infer/renderer/attention_map.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "lte/base/check.h"
+#include "lte/base/to_number.h"
 #include "lte/scene/closest_point.h"
 
 namespace lte::infer {
@@ -31,13 +31,11 @@ std::vector<float> decoder_values(const SceneAttention& inside, const SurfacePoi
   const runtime::LatentsRead read = inside.read(point.position, point.normal, point.albedo);
   const std::vector<float>* shares = &read.share;
   if (choice.block != kDecoder) {
-    const char* first = choice.block.data() + kDecoder.size() + 1;
-    const char* last = choice.block.data() + choice.block.size();
-    size_t layer = 0;
-    const auto [end, error] = std::from_chars(first, last, layer);
-    if (error != std::errc() || end != last || layer >= read.by_layer.size())
+    const auto layer =
+        to_number<size_t>(std::string_view(choice.block).substr(kDecoder.size() + 1));
+    if (!layer || *layer >= read.by_layer.size())
       refuse_block(inside, choice.block, read.by_layer.size());
-    shares = &read.by_layer[layer];
+    shares = &read.by_layer[*layer];
   }
   LTE_CHECK(choice.head == SceneAttention::kAllHeads, "head ", choice.head,
             ": the decoder has none, but a weight a channel, of which the mean is shown");

@@ -1,9 +1,7 @@
 #include "infer/tool/picture_size.h"
 
-#include <charconv>
-#include <system_error>
-
 #include "lte/base/check.h"
+#include "lte/base/to_number.h"
 
 namespace lte::infer {
 namespace {
@@ -13,14 +11,10 @@ constexpr int kLargestSide = 65'536;
 }  // namespace
 
 std::pair<int, int> parse_picture_size(const std::string& text) {
-  const char *at = text.data(), *end = at + text.size();
-  int width = 0, height = 0;
-  const auto first = std::from_chars(at, end, width);
-  if (first.ec != std::errc() || first.ptr == end || *first.ptr != 'x') return {0, 0};
-  const auto second = std::from_chars(first.ptr + 1, end, height);
-  if (second.ec != std::errc() || second.ptr != end) return {0, 0};
   const auto fits = [](int side) { return side > 0 && side <= kLargestSide; };
-  return fits(width) && fits(height) ? std::pair(width, height) : std::pair(0, 0);
+  const auto size = to_numbers<int, 2>(text, 'x');
+  if (!size || !fits((*size)[0]) || !fits((*size)[1])) return {0, 0};
+  return {(*size)[0], (*size)[1]};
 }
 
 std::string check_picture_size(const std::string& text) {

@@ -1,35 +1,25 @@
 #include "lte/cli/set_keys.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "lte/base/check.h"
 #include "lte/base/config.h"
 #include "lte/base/text.h"
+#include "lte/base/to_number.h"
 
 namespace lte {
 namespace {
 
-/// The whole text as a number; a leading plus is let pass.
-template <typename Number>
-bool parse(const std::string& text, Number* value) {
-  const char *begin = text.data(), *end = begin + text.size();
-  if (begin != end && *begin == '+') ++begin;  // from_chars takes no plus
-  const auto [at, error] = std::from_chars(begin, end, *value);
-  return begin != end && error == std::errc() && at == end;
-}
-
 template <typename Number>
 SetKeys::Read reads_number(Number* value, Number low, Number high, const char* what) {
   return [=](const std::string& text) -> std::string {
-    Number read{};
-    if (parse(text, &read) && read >= low && read <= high) {
-      *value = read;
-      return "";
-    }
-    return concat("expected ", what, " from ", low, " to ", high);
+    const auto read = to_number<Number>(without_plus(text));
+    if (!read || !(*read >= low && *read <= high))
+      return concat("expected ", what, " from ", low, " to ", high);
+    *value = *read;
+    return "";
   };
 }
 

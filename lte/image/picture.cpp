@@ -1,7 +1,6 @@
 #include "lte/image/picture.h"
 
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -22,6 +21,7 @@
 
 #include "lte/base/file.h"
 #include "lte/base/text.h"
+#include "lte/base/to_number.h"
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 
@@ -74,11 +74,9 @@ std::string_view header_word(const std::string& name, std::string_view bytes, si
 
 template <typename T>
 T number(const std::string& name, std::string_view word) {
-  T value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  LTE_CHECK(error == std::errc() && end == word.data() + word.size(), name,
-            ": broken PFM header: \"", word, "\" is no number");
-  return value;
+  const auto value = to_number<T>(word);
+  LTE_CHECK(value, name, ": broken PFM header: \"", word, "\" is no number");
+  return *value;
 }
 
 /// What stands before the pixels of a portable float map: "PF" or "Pf", sizes, and a scale whose

@@ -1,10 +1,10 @@
 #include "lte/runtime/embedding_file.h"
 
-#include <charconv>
 #include <string>
 
 #include "lte/base/check.h"
 #include "lte/base/safetensors.h"
+#include "lte/base/to_number.h"
 #include "lte/base/version.h"
 #include "lte/nn/cost.h"
 #include "lte/nn/files/tensor_io.h"
@@ -23,12 +23,10 @@ constexpr const char* kKeyPrefix = "key ";
 at::Tensor one_number(double value) { return at::tensor({value}, at::kDouble); }
 
 int64_t parse_count(const std::string& file, const std::string& key, const std::string& text) {
-  int64_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, value);
-  LTE_CHECK(read.ec == std::errc() && read.ptr == end && value >= 1, file, ": ", key, " \"",
-            text.substr(0, 40), "\" is not a positive number");
-  return value;
+  const auto value = to_number<int64_t>(text);
+  LTE_CHECK(value && *value >= 1, file, ": ", key, " \"", text.substr(0, 40),
+            "\" is not a positive number");
+  return *value;
 }
 
 /// The file is one of ours, whole, and of a version that is understood.

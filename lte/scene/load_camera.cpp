@@ -11,6 +11,7 @@
 #include "lte/base/config.h"
 #include "lte/base/file.h"
 #include "lte/base/text.h"
+#include "lte/base/to_number.h"
 #include "lte/image/exr.h"
 #include "lte/scene/number_check.h"
 
@@ -130,14 +131,6 @@ std::string camera_names(const Scene& scene) {
 
 constexpr std::string_view kAutoSeed = "auto:";
 
-std::optional<size_t> parse_index(const std::string& word) {
-  size_t index = 0;
-  const char* end = word.data() + word.size();
-  const auto read = std::from_chars(word.data(), end, index);
-  if (word.empty() || read.ec != std::errc() || read.ptr != end) return std::nullopt;
-  return index;
-}
-
 /// The cameras of a file, and whether it holds them as a list.
 CameraChoice read_cameras(const std::filesystem::path& path) {
   const std::string file = path.string(), name = path.stem().string();
@@ -231,7 +224,7 @@ std::optional<CameraChoice> find_cameras(const Scene& scene, const std::string& 
   if (named.size() == 1) return CameraChoice{{scene.cameras[named[0]]}, false};
   LTE_CHECK(named.empty(), "camera \"", word, "\": ", named.size(),
             " cameras are called so: give the index, such as ", named[0]);
-  if (const std::optional<size_t> index = parse_index(word); index) {
+  if (const auto index = to_number<size_t>(word)) {
     if (*index >= scene.cameras.size()) refuse(scene, word);
     return CameraChoice{{scene.cameras[*index]}, false};
   }
@@ -246,7 +239,7 @@ std::optional<CameraChoice> find_cameras(const Scene& scene, const std::string& 
 
 uint64_t auto_camera_seed(const std::string& word) {
   if (!word.starts_with(kAutoSeed)) return 0;
-  const std::optional<size_t> seed = parse_index(word.substr(kAutoSeed.size()));
+  const auto seed = to_number<size_t>(std::string_view(word).substr(kAutoSeed.size()));
   LTE_CHECK(seed, "camera \"", word, "\": expected auto, or auto: and a number such as auto:1");
   return *seed;
 }

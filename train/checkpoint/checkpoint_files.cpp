@@ -1,7 +1,6 @@
 #include "train/checkpoint/checkpoint_files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -11,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/base/to_number.h"
 #include "train/checkpoint/checkpoint.h"
 
 namespace lte::train {
@@ -29,10 +29,8 @@ std::optional<int64_t> step_in_name(std::string_view name) {
       name.size() <= kPrefix.size() + kSuffix.size())
     return std::nullopt;
   name = name.substr(kPrefix.size(), name.size() - kPrefix.size() - kSuffix.size());
-  int64_t step = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), step);
-  const bool whole = error == std::errc() && end == name.data() + name.size() && step >= 0;
-  return whole ? std::optional(step) : std::nullopt;
+  const auto step = to_number<int64_t>(name);
+  return step && *step >= 0 ? step : std::nullopt;
 }
 
 int64_t step_in_file(const fs::path& path) {

@@ -1,7 +1,6 @@
 #include "train/checkpoint/init_weights.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
 #include <ATen/ops/isfinite.h>
@@ -10,6 +9,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/safetensors.h"
+#include "lte/base/to_number.h"
 #include "lte/nn/files/model_file.h"
 #include "lte/nn/files/tensor_io.h"
 #include "train/checkpoint/checkpoint.h"
@@ -87,10 +87,10 @@ LightEstimates light_of(const SafetensorsFile& file) {
   const auto read = [&](const char* key, int* value) {
     const auto found = file.metadata().find(key);
     if (found == file.metadata().end()) return;
-    const char* end = found->second.data() + found->second.size();
-    const auto [stop, error] = std::from_chars(found->second.data(), end, *value);
-    LTE_CHECK(error == std::errc() && stop == end, file.path().string(), ": metadata ", key,
-              " is \"", found->second, "\", expected a number");
+    const auto number = to_number<int>(found->second);
+    LTE_CHECK(number, file.path().string(), ": metadata ", key, " is \"", found->second,
+              "\", expected a number");
+    *value = *number;
   };
   read("light_paths", &light.paths);
   read("light_depth", &light.depth);

@@ -1,12 +1,12 @@
 #include "train/distributed/rank.h"
 
 #include <array>
-#include <charconv>
 #include <cstdlib>
 #include <optional>
 #include <string_view>
 
 #include "lte/base/check.h"
+#include "lte/base/to_number.h"
 
 namespace lte::train {
 namespace {
@@ -31,12 +31,9 @@ std::optional<std::string> variable(const char* name) {
 std::optional<int> number(const char* name, int low, int high) {
   const std::optional<std::string> text = variable(name);
   if (!text) return std::nullopt;
-  int value = 0;
-  const char* end = text->data() + text->size();
-  const auto [stop, error] = std::from_chars(text->data(), end, value);
-  LTE_CHECK(error == std::errc() && stop == end && value >= low && value <= high,
-            "environment variable ", name, "=", *text, ": expected a number from ", low, " to ",
-            high);
+  const auto value = to_number<int>(*text);
+  LTE_CHECK(value && *value >= low && *value <= high, "environment variable ", name, "=", *text,
+            ": expected a number from ", low, " to ", high);
   return value;
 }
 

@@ -1,12 +1,12 @@
 #include "infer/eval/scenes/scene_methods.h"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include "infer/picture/surface_guides.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
+#include "lte/base/to_number.h"
 #include "lte/embed/embed.h"
 #include "lte/embed/untrained_light.h"
 #include "lte/render/picture.h"
@@ -18,15 +18,14 @@ namespace {
 constexpr int kMaxPaths = 1 << 20;
 /// N of "paths-N" and "paths-N-denoised".
 std::optional<std::pair<int, bool>> parse_paths(const std::string& word) {
-  const std::string head = "paths-", tail = "-denoised";
+  const std::string_view head = "paths-", tail = "-denoised";
   if (!word.starts_with(head)) return std::nullopt;
-  const bool denoised = word.ends_with(tail);
-  const char* const first = word.data() + head.size();
-  const char* const last = word.data() + word.size() - (denoised ? tail.size() : 0);
-  int paths = 0;
-  const auto [at, error] = std::from_chars(first, std::max(first, last), paths);
-  if (error != std::errc() || at != last || paths < 1 || paths > kMaxPaths) return std::nullopt;
-  return std::pair(paths, denoised);
+  std::string_view count = std::string_view(word).substr(head.size());
+  const bool denoised = count.ends_with(tail);
+  if (denoised) count.remove_suffix(tail.size());
+  const auto paths = to_number<int>(count);
+  if (!paths || *paths < 1 || *paths > kMaxPaths) return std::nullopt;
+  return std::pair(*paths, denoised);
 }
 
 /// `name`, at --quality preview, or `name`, "-" and another quality.

@@ -1,9 +1,8 @@
 #include "lte/nn/files/model_metadata.h"
 
-#include <charconv>
-
 #include "lte/base/check.h"
 #include "lte/base/safetensors.h"
+#include "lte/base/to_number.h"
 
 namespace lte::nn {
 namespace {
@@ -22,13 +21,10 @@ int64_t count_of(const SafetensorsFile& file, const char* key, int64_t otherwise
                  int64_t most) {
   const std::string* text = find(file, key);
   if (text == nullptr) return otherwise;
-  int64_t count = 0;
-  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), count);
-  LTE_CHECK(
-      error == std::errc() && end == text->data() + text->size() && count >= least && count <= most,
-      file.path().string(), ": metadata ", key, " is \"", *text, "\", expected a number from ",
-      least, " to ", most);
-  return count;
+  const auto count = to_number<int64_t>(*text);
+  LTE_CHECK(count && *count >= least && *count <= most, file.path().string(), ": metadata ", key,
+            " is \"", *text, "\", expected a number from ", least, " to ", most);
+  return *count;
 }
 
 bool switch_of(const SafetensorsFile& file, const char* key, bool otherwise) {

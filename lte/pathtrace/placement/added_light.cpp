@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/text.h"
+#include "lte/base/to_number.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/pathtrace/placement/free_space.h"
@@ -162,26 +162,14 @@ std::string add_automatic(std::span<const scene::Camera> cameras, scene::Scene* 
   return concat(text, text.empty() ? "" : "; ", "an environment of radiance 1, as ", why);
 }
 
-std::optional<std::array<float, 4>> parse_numbers(const std::string& text) {
-  std::array<float, 4> out{};
-  const char *at = text.data(), *end = text.data() + text.size();
-  for (size_t i = 0; i < out.size(); ++i) {
-    const auto [next, error] = std::from_chars(at, end, out[i]);
-    if (error != std::errc() || !std::isfinite(out[i])) return std::nullopt;
-    if (i == 3) return next == end ? std::optional(out) : std::nullopt;
-    if (next == end || *next != ',') return std::nullopt;
-    at = next + 1;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::string add_light(const std::string& text, std::span<const scene::Camera> cameras,
                       scene::Scene* scene) {
   if (text == "auto") return add_automatic(cameras, scene);
-  const std::optional<std::array<float, 4>> numbers = parse_numbers(text);
-  LTE_CHECK(numbers, "added light \"", text,
+  const auto numbers = to_numbers<float, 4>(text, ',');
+  LTE_CHECK(numbers && std::ranges::all_of(*numbers, [](float v) { return std::isfinite(v); }),
+            "added light \"", text,
             "\": expected auto, or x,y,z,power: four numbers, metres and watts");
   const auto [x, y, z, power] = *numbers;
   constexpr float kFarthest = 1e9f;

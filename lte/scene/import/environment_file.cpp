@@ -1,32 +1,17 @@
 #include "lte/scene/import/environment_file.h"
 
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <optional>
-#include <string_view>
 #include <utility>
 
 #include "lte/base/check.h"
+#include "lte/base/to_number.h"
 #include "lte/image/picture.h"
 #include "lte/image/tonemap.h"
 #include "lte/scene/number_check.h"
 
 namespace lte::scene {
 namespace {
-
-/// Three numbers between commas; nothing for anything else.
-std::optional<Rgb> parse_rgb(std::string_view text) {
-  Rgb out;
-  for (int c = 0; c < 3; ++c) {
-    const std::string_view field = text.substr(0, c < 2 ? text.find(',') : text.size());
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), out[c]);
-    if (error != std::errc() || end != field.data() + field.size()) return std::nullopt;
-    if (c < 2 && field.size() == text.size()) return std::nullopt;
-    text.remove_prefix(std::min(text.size(), field.size() + 1));
-  }
-  return out;
-}
 
 std::shared_ptr<const EnvironmentMap> read_map(const std::string& path) {
   image::Picture picture = image::read_picture(path, EnvironmentMap::kMaxTexels);
@@ -51,10 +36,11 @@ void add_environment_group(Scene* scene) {
 
 void set_environment(const std::string& text, double turn_degrees, Scene* scene) {
   Environment environment;
-  if (const std::optional<Rgb> constant = parse_rgb(text)) {
-    LTE_CHECK(is_finite(*constant) && constant->x >= 0 && constant->y >= 0 && constant->z >= 0,
+  if (const auto rgb = to_numbers<float, 3>(text, ',')) {
+    const Rgb constant{(*rgb)[0], (*rgb)[1], (*rgb)[2]};
+    LTE_CHECK(is_finite(constant) && constant.x >= 0 && constant.y >= 0 && constant.z >= 0,
               "environment ", text, ": radiance must be finite and not negative");
-    environment.radiance = *constant;
+    environment.radiance = constant;
   } else {
     LTE_CHECK(std::filesystem::exists(text), "environment ", text,
               ": neither three numbers R,G,B nor a file that is there");

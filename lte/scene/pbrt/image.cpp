@@ -1,11 +1,11 @@
 #include "lte/scene/pbrt/image.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "lte/base/parallel.h"
+#include "lte/base/to_number.h"
 #include "lte/image/tonemap.h"
 #include "lte/scene/pbrt/named_file.h"
 
@@ -52,12 +52,10 @@ std::shared_ptr<const Texture> quantize(const std::vector<float>& linear, int wi
 }
 
 double gamma_of(const std::string& encoding, const Location& at) {
-  double gamma = 0;
-  const char* const end = encoding.data() + encoding.size();
-  const auto [stop, error] = std::from_chars(encoding.data() + 6, end, gamma);  // behind "gamma "
-  if (error != std::errc() || stop != end || !(gamma > 0 && gamma < 100))
+  const auto gamma = to_number<double>(std::string_view(encoding).substr(6));  // behind "gamma "
+  if (!gamma || !(*gamma > 0 && *gamma < 100))
     fail(at, "encoding ", quote(encoding), ": expected a positive number behind gamma");
-  return gamma;
+  return *gamma;
 }
 
 bool is_whole(float value) { return std::abs(value - std::round(value)) < 1e-4f; }

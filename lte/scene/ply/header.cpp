@@ -1,10 +1,10 @@
 #include "lte/scene/ply/header.h"
 
 #include <array>
-#include <charconv>
 #include <utility>
 
 #include "lte/base/check.h"
+#include "lte/base/to_number.h"
 
 namespace lte::scene::ply {
 namespace {
@@ -109,10 +109,9 @@ class HeaderReader {
     Element element;
     if (words.size() != 3) fail("expected \"element NAME COUNT\"");
     element.name = words[1];
-    const auto [end, error] =
-        std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
-    if (error != std::errc() || end != words[2].data() + words[2].size() || element.count < 0)
-      fail("the count of an element must be a whole number from 0 on");
+    const auto count = to_number<decltype(element.count)>(words[2]);
+    if (!count || *count < 0) fail("the count of an element must be a whole number from 0 on");
+    element.count = *count;
     if (out_.elements.size() >= kMaxProperties) fail("too many elements");
     out_.elements.push_back(std::move(element));
   }
