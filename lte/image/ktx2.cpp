@@ -4,7 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <string>
+#include <string_view>
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
@@ -123,45 +124,6 @@ void append_texel(const Rgb& color, Ktx2Format format, std::string* out) {
   out->append(reinterpret_cast<const char*>(halves.data()), sizeof(halves));
 }
 
-Rgb read_texel(const char* bytes, Ktx2Format format) {
-  if (format == Ktx2Format::Rgb9e5) {
-    uint32_t word;
-    std::memcpy(&word, bytes, sizeof(word));
-    return from_rgb9e5(word);
-  }
-  std::array<Half, 3> halves;
-  std::memcpy(halves.data(), bytes, sizeof(halves));
-  return {to_float(halves[0]), to_float(halves[1]), to_float(halves[2])};
-}
-
-/// The texture's shape and format as the header says, with every other field held to what one level
-/// without compression has.
-Ktx2 read_header(std::string_view bytes, const std::string& name, Header* header, Level* level) {
-  LTE_CHECK(bytes.size() >= kHeader + kLevelIndex && bytes.substr(0, 12) == kIdentifier, name,
-            ": not a KTX2 file");
-  std::memcpy(header, bytes.data(), kHeader);
-  std::memcpy(level, bytes.data() + kHeader, kLevelIndex);
-  const auto* layout = std::find_if(kLayouts.begin(), kLayouts.end(), [&](const Layout& known) {
-    return known.vk_format == header->vk_format;
-  });
-  LTE_CHECK(layout != kLayouts.end(), name,
-            ": expected Vulkan's format 123 (E5B9G9R9) or 97 (R16G16B16A16 float), got ",
-            header->vk_format);
-  LTE_CHECK(header->type_size == layout->type_size && header->faces == 1 && header->levels == 1 &&
-                header->supercompression == 0 && header->sgd_size == 0,
-            name, ": expected one face and one level without supercompression");
-  const uint32_t largest = std::max({header->width, header->height, header->depth, header->layers});
-  LTE_CHECK(largest <= kMaxSide, name, ": a side of ", largest, " exceeds the limit of ", kMaxSide);
-  Ktx2 texture;
-  texture.format = layout->format;
-  texture.width = static_cast<int>(header->width);
-  texture.height = static_cast<int>(header->height);
-  texture.depth = static_cast<int>(header->depth);
-  texture.layers = static_cast<int>(header->layers);
-  check_shape(name, texture);
-  return texture;
-}
-
 }  // namespace
 
 uint32_t to_rgb9e5(const Rgb& color) {
@@ -178,13 +140,6 @@ uint32_t to_rgb9e5(const Rgb& color) {
   if (mantissa(largest, exponent) == 1u << kMantissaBits) ++exponent;
   return mantissa(clamped[0], exponent) | mantissa(clamped[1], exponent) << 9 |
          mantissa(clamped[2], exponent) << 18 | static_cast<uint32_t>(exponent) << 27;
-}
-
-Rgb from_rgb9e5(uint32_t word) {
-  const float scale =
-      std::ldexp(1.0f, static_cast<int>(word >> 27) - kExponentBias - kMantissaBits);
-  const auto channel = [&](int shift) { return static_cast<float>(word >> shift & 511) * scale; };
-  return {channel(0), channel(9), channel(18)};
 }
 
 void write_ktx2(const std::filesystem::path& path, const Ktx2& texture) {
@@ -221,35 +176,6 @@ void write_ktx2(const std::filesystem::path& path, const Ktx2& texture) {
     append_texel(texture.texels[i], texture.format, &bytes);
   }
   write_file(path, bytes);
-}
-
-Ktx2 read_ktx2(const std::filesystem::path& path) {
-  const MappedFile file(path);
-  return decode_ktx2({reinterpret_cast<const char*>(file.data()), file.size()}, path.string());
-}
-
-Ktx2 decode_ktx2(std::string_view bytes, const std::string& name) {
-  Header header;
-  Level level;
-  Ktx2 texture = read_header(bytes, name, &header, &level);
-  const Layout& layout = layout_of(texture.format);
-  LTE_CHECK(header.dfd_offset <= bytes.size() &&
-                bytes.substr(header.dfd_offset, header.dfd_size) == descriptor(layout),
-            name, ": the data format descriptor is not that of format ", layout.vk_format);
-  const auto count = static_cast<size_t>(texel_count(texture));
-  LTE_CHECK(level.size == count * layout.texel_size && level.uncompressed_size == level.size &&
-                level.offset % layout.texel_size == 0 && level.offset <= bytes.size() &&
-                level.size == bytes.size() - level.offset,
-            name, ": expected ", count * layout.texel_size,
-            " bytes of texels at the end of the file, got ", level.size, " at ", level.offset,
-            " of ", bytes.size());
-  texture.texels.reserve(count);
-  for (size_t i = 0; i < count; ++i) {
-    texture.texels.push_back(
-        read_texel(bytes.data() + level.offset + i * layout.texel_size, texture.format));
-    LTE_CHECK(is_finite(texture.texels.back()), name, ": texel ", i, " is not finite");
-  }
-  return texture;
 }
 
 }  // namespace lte::image

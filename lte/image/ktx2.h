@@ -1,10 +1,9 @@
-// KTX2 textures of light: uncompressed RGB9E5 and half floats; 2D, 2D arrays and 3D; one mip level.
+// Writes KTX2 textures of light: uncompressed RGB9E5 and half floats; 2D, 2D arrays and 3D; one mip
+// level.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "lte/base/math.h"
@@ -28,20 +27,10 @@ struct Ktx2 {
 /// specifications, mantissas rounded to the nearest, halves up. Negative values become 0, values
 /// beyond 65408 that.
 uint32_t to_rgb9e5(const Rgb& color);
-/// Exact.
-Rgb from_rgb9e5(uint32_t word);
 
 /// Writes the texels as the format holds them, atomically. Halves saturate at 65504.
 /// @throws lte::Error naming the file if sizes are not positive or do not fit the texels, a texel
 ///         is not finite, or the file cannot be written.
 void write_ktx2(const std::filesystem::path& path, const Ktx2& texture);
-
-/// @throws lte::Error naming the file unless it is whole, of these formats and of one mip level,
-///         and its data format descriptor is the format's own.
-Ktx2 read_ktx2(const std::filesystem::path& path);
-
-/// The same of bytes in memory.
-/// @param name  of the file, for messages
-Ktx2 decode_ktx2(std::string_view bytes, const std::string& name);
 
 }  // namespace lte::image

@@ -12,9 +12,9 @@
 #include "lte/bake/formats/engine_scene.h"
 #include "lte/base/half.h"
 #include "lte/image/exr.h"
-#include "lte/image/ktx2.h"
 #include "lte/scene/load.h"
 #include "tests/bake/quad_lightmap.h"
+#include "tests/image/ktx2_reader.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/temp_dir.h"
 
@@ -147,7 +147,7 @@ TEST(BevyFormat, TextureIsWhatAWhiteSurfaceSendsOut) {
   volume.grid.bounds.extend({3, 2, 1});
   volume.probes.resize(2);
   write("bevy", folder.path(), {{}, &volume});
-  const image::Ktx2 texture = image::read_ktx2(folder / "lightmap.ktx2");
+  const image::Ktx2 texture = test::read_ktx2(folder / "lightmap.ktx2");
   const std::vector<float> total = room_map().total();
   ASSERT_EQ(texture.texels.size(), room_map().pixels());
   for (size_t i = 0; i < texture.texels.size(); ++i) {
@@ -157,7 +157,7 @@ TEST(BevyFormat, TextureIsWhatAWhiteSurfaceSendsOut) {
   const std::string help = read_file(folder / "README.txt");
   EXPECT_THAT(help, HasSubstr("from_translation(Vec3::new(1_f32, 1_f32, 0.5_f32))"));
   EXPECT_THAT(help, HasSubstr("with_scale(Vec3::new(4_f32, 2_f32, 1_f32))"));
-  EXPECT_EQ(image::read_ktx2(folder / "irradiance_volume.ktx2").depth, 3);
+  EXPECT_EQ(test::read_ktx2(folder / "irradiance_volume.ktx2").depth, 3);
 }
 
 TEST(GodotFormat, FilesHaveTheNamesAndTypesOfItsClasses) {
