@@ -1,11 +1,10 @@
 #include "datagen/commands/info.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
-#include <string_view>
 #include <utility>
+
+#include <yaml-cpp/yaml.h>
 
 #include "lte/base/check.h"
 #include "lte/data/dataset.h"
@@ -264,47 +263,44 @@ Json dataset_info(const std::filesystem::path& directory, bool deep) {
 
 namespace {
 
-/// A scalar of YAML: quoted unless it is a plain word or some of them.
-std::string yaml_text(const std::string& text) {
-  const auto plain = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::string_view(" _-./()").find(c) != std::string_view::npos;
-  };
-  const bool word = !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
-                    text.back() != ' ' && std::all_of(text.begin(), text.end(), plain);
-  for (const char* other : {"true", "false", "null", "yes", "no", "on", "off"}) {
-    if (text == other) return Json(text).dump();
-  }
-  return word ? text : Json(text).dump();
+/// Whether YAML would read a plain `text` as something else than a text.
+bool reads_as_other(const std::string& text) {
+  const YAML::Node node(text);
+  double number = 0;
+  bool truth = false;
+  return YAML::convert<double>::decode(node, number) || YAML::convert<bool>::decode(node, truth);
 }
 
-/// YAML on one line.
-std::string yaml_line(const Json& value) {
-  if (value.is_string()) return yaml_text(value.get<std::string>());
-  if (!value.is_object()) return value.dump();
-  std::string text;
-  for (const auto& [name, item] : value.items())
-    text += concat(text.empty() ? "{" : ", ", name, ": ", yaml_line(item));
-  return text.empty() ? "{}" : text + "}";
+/// Entries of the outermost map and of the maps and lists in it stand on lines of their own.
+void emit(const Json& value, int depth, YAML::Emitter* out) {
+  const bool numbers = value.is_array() && !value.empty() && value[0].is_number();
+  const auto style = depth < 2 && !value.empty() && !numbers ? YAML::Block : YAML::Flow;
+  if (value.is_object()) {
+    *out << style << YAML::BeginMap;
+    for (const auto& [name, item] : value.items()) {
+      *out << YAML::Key << name << YAML::Value;
+      emit(item, depth + 1, out);
+    }
+    *out << YAML::EndMap;
+  } else if (value.is_array()) {
+    *out << style << YAML::BeginSeq;
+    for (const Json& item : value) emit(item, 2, out);
+    *out << YAML::EndSeq;
+  } else if (value.is_string()) {
+    const auto& text = value.get_ref<const std::string&>();
+    if (reads_as_other(text)) *out << YAML::DoubleQuoted;
+    *out << text;
+  } else {
+    *out << value.dump();
+  }
 }
 
 }  // namespace
 
-std::string to_text(const Json& info) {
-  std::string text;
-  for (const auto& [key, value] : info.items()) {
-    if (value.is_array() && !value.empty() && !value[0].is_number()) {
-      text += concat(key, ":\n");
-      for (const Json& item : value) text += concat("  - ", yaml_line(item), "\n");
-    } else if (value.is_object() && !value.empty()) {
-      text += concat(key, ":\n");
-      for (const auto& [name, item] : value.items())
-        text += concat("  ", name, ": ", yaml_line(item), "\n");
-    } else {
-      text += concat(key, ": ", yaml_line(value), "\n");
-    }
-  }
-  return text;
+std::string to_yaml(const Json& info) {
+  YAML::Emitter out;
+  emit(info, 0, &out);
+  return concat(out.c_str(), "\n");
 }
 
 }  // namespace lte::datagen

@@ -29,6 +29,6 @@ Json dataset_info(const std::filesystem::path& directory, bool deep);
 std::vector<Rgb> group_powers(const scene::Scene& scene);
 
 /// Formats `info` as YAML, an entry of a list a line.
-std::string to_text(const Json& info);
+std::string to_yaml(const Json& info);
 
 }  // namespace lte::datagen

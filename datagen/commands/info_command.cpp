@@ -62,7 +62,7 @@ void run_info(const InfoFlags& flags) {
   if (flags.validate_only) {
     std::printf("%s: valid %s\n", flags.path.c_str(), info["kind"].get<std::string>().c_str());
   } else {
-    std::fputs(to_text(info).c_str(), stdout);
+    std::fputs(to_yaml(info).c_str(), stdout);
   }
 }
 

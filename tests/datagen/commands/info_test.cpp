@@ -63,8 +63,8 @@ TEST(Info, SceneSaysWhatItHolds) {
   EXPECT_NEAR(info["area_m2"].get<double>(), 6, 1e-5);
   EXPECT_EQ(info["bounds"]["high"], Json::array({1.0, 1.0, 1.0}));
   EXPECT_EQ(info["light_groups"][0]["name"], "cube");
-  EXPECT_THAT(to_text(info), HasSubstr("KHR_materials_sheen"));
-  EXPECT_THAT(to_text(info), HasSubstr("triangles: 12\n"));
+  EXPECT_THAT(to_yaml(info), HasSubstr("KHR_materials_sheen"));
+  EXPECT_THAT(to_yaml(info), HasSubstr("triangles: 12\n"));
 }
 
 TEST(Info, ListsTexturesCamerasUnitAndFaults) {
@@ -91,7 +91,7 @@ TEST(Info, ListsTexturesCamerasUnitAndFaults) {
   EXPECT_EQ(info["light_groups"][0]["kind"], "surface");
   EXPECT_EQ(info["geometry"]["duplicate_triangles"], 12);
   EXPECT_EQ(info["geometry"]["inward_shells"], 1);
-  EXPECT_THAT(to_text(info), HasSubstr("  duplicate_triangles: 12\n"));
+  EXPECT_THAT(to_yaml(info), HasSubstr("  duplicate_triangles: 12\n"));
 }
 
 TEST(Info, TextIsYaml) {
@@ -99,16 +99,20 @@ TEST(Info, TextIsYaml) {
                      {"unit", "metre"},
                      {"hash", "12e4"},
                      {"word", "no"},
+                     {"missing", "~"},
+                     {"empty", ""},
                      {"list", {{{"name", "lamp: 3"}, {"size", {1, 2}}}, {{"name", "lamp.4"}}}},
                      {"none", Json::array()},
                      {"map", {{"note", "it's #1"}}}};
-  EXPECT_EQ(to_text(info),
-            "name: \"a room, large\"\n"
+  EXPECT_EQ(to_yaml(info),
+            "name: a room, large\n"
             "unit: metre\n"
             "hash: \"12e4\"\n"
             "word: \"no\"\n"
+            "missing: \"~\"\n"
+            "empty: \"\"\n"
             "list:\n"
-            "  - {name: \"lamp: 3\", size: [1,2]}\n"
+            "  - {name: \"lamp: 3\", size: [1, 2]}\n"
             "  - {name: lamp.4}\n"
             "none: []\n"
             "map:\n"
@@ -127,8 +131,8 @@ TEST(Info, SunsHaveIrradiance) {
   EXPECT_FALSE(info["light_groups"][1].contains("power_w"));
   EXPECT_EQ(info["light_groups"][1]["irradiance_w_m2"], Json::array({1.0, 2.0, 3.0}));
   EXPECT_TRUE(info["light_groups"][0].contains("power_w"));
-  EXPECT_THAT(to_text(info),
-              HasSubstr("  - {name: sun, kind: directional, irradiance_w_m2: [1.0,2.0,3.0]}\n"));
+  EXPECT_THAT(to_yaml(info),
+              HasSubstr("  - {name: sun, kind: directional, irradiance_w_m2: [1.0, 2.0, 3.0]}\n"));
 }
 
 TEST(Info, SampleMeansAreOverPointsAndGroupsSummed) {
