@@ -17,9 +17,9 @@ namespace {
 
 struct BakeFlags {
   CommonOptions common;
-  SceneOptions options;
+  SceneSource source;
   BakeOptions bake;
-  std::string scene, out, camera = "auto";
+  std::string out, camera = "auto";
   bool has_views = false, validate_only = false;
 };
 
@@ -35,7 +35,7 @@ void set_cameras(const BakeFlags& flags, const scene::Scene& scene, BakeOptions*
 
 void run_bake(BakeFlags flags) {
   CommandFiles files;
-  add_scene_files(flags.scene, flags.options, &files);
+  claim_scene(flags.source, &files);
   files.reads("--camera", flags.camera);  // a name or a number is that of no file
   files.writes("--out", flags.out);
   files.writes_common(flags.common);
@@ -44,11 +44,11 @@ void run_bake(BakeFlags flags) {
   check_bake_options(flags.bake);
   check_writable(flags.out);
   check_writable(flags.common.json);
-  const scene::Scene scene = load_and_report(flags.scene, flags.options);
+  const scene::Scene scene = load_and_report(flags.source);
   set_cameras(flags, scene, &flags.bake);
   files.check_what_was_read();
   if (flags.validate_only) {
-    std::fputs(validation_line(flags.scene, scene).c_str(), stdout);
+    std::fputs(validation_line(flags.source.scene, scene).c_str(), stdout);
     return;
   }
   LTE_CHECK(!flags.out.empty(), "--out is missing: name the .safetensors file to write");
@@ -69,7 +69,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   BakeOptions& bake = flags->bake;
   CLI::App* command =
       app.add_subcommand("bake", "Sample and path-trace one scene into a sample file");
-  command->add_option("scene", flags->scene, concat("Scene: ", kSceneFormats))->required();
+  command->add_option("scene", flags->source.scene, concat("Scene: ", kSceneFormats))->required();
   command->add_option("--out", flags->out, "Sample file to write, .safetensors");
   command->add_option("--scene-points", bake.scene_points, "M, points that describe the scene")
       ->capture_default_str();
@@ -109,7 +109,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   command->add_option("--incident-samples", bake.incident.samples, "Paths a cell")
       ->capture_default_str();
   command->add_option("--seed", bake.seed, "Seed of points and paths")->capture_default_str();
-  add_scene_options(*command, &flags->options);
+  add_source_options(*command, &flags->source);
   command->add_flag("--prune", bake.prune, "Draw points only where light can reach them");
   command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
   add_common_options(*command, &flags->common);

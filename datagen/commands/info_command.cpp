@@ -10,15 +10,13 @@
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/placement/free_space.h"
 #include "lte/pathtrace/reach/lost_light.h"
-#include "lte/scene/up_axis.h"
 
 namespace lte::datagen {
 namespace {
 
 struct InfoFlags {
   CommonOptions common;
-  SceneOptions scene;
-  std::string path;
+  SceneSource source;  ///< its scene may be a sample file or a data set, too
   bool deep = false, validate_only = false;
 };
 
@@ -33,26 +31,24 @@ Json describe_scene(const std::string& path, const scene::Scene& scene) {
 }
 
 Json describe(const InfoFlags& flags) {
-  const std::filesystem::path path = flags.path;
+  const SceneSource& source = flags.source;
+  const std::filesystem::path path = source.scene;
   const bool is_scene = !std::filesystem::is_directory(path) && path.extension() != ".safetensors";
-  LTE_CHECK(std::filesystem::exists(path), flags.path, ": no such file or directory");
-  LTE_CHECK(is_scene || flags.scene.environment.empty(), flags.path,
+  LTE_CHECK(std::filesystem::exists(path), source.scene, ": no such file or directory");
+  LTE_CHECK(is_scene || source.environment.empty(), source.scene,
             ": --environment is for scenes, not for what is baked already");
-  LTE_CHECK(is_scene || flags.scene.lights.empty(), flags.path,
+  LTE_CHECK(is_scene || source.lights.empty(), source.scene,
             ": --add-light is for scenes, not for what is baked already");
   if (std::filesystem::is_directory(path))
     return dataset_info(path, flags.deep || flags.validate_only);
   if (!is_scene) return sample_info(data::read_scene_sample(path));
-  scene::Scene scene = load_scene(path, flags.scene.loading);
-  scene::set_up_axis(flags.scene.up, flags.path, &scene);
-  apply_lighting(flags.scene, &scene);
-  return describe_scene(flags.path, scene);
+  return describe_scene(source.scene, load_lit(source));
 }
 
 void run_info(const InfoFlags& flags) {
   CommandFiles files;
-  add_scene_files(flags.path, flags.scene, &files);
-  files.reads_parts("PATH", flags.path, data::kDatasetParts);
+  claim_scene(flags.source, &files);
+  files.reads_parts("PATH", flags.source.scene, data::kDatasetParts);
   files.writes_common(flags.common);
   files.check();
   apply_common_options(flags.common);
@@ -60,7 +56,8 @@ void run_info(const InfoFlags& flags) {
   files.check_what_was_read();
   write_json(flags.common.json, info.dump(2));
   if (flags.validate_only) {
-    std::printf("%s: valid %s\n", flags.path.c_str(), info["kind"].get<std::string>().c_str());
+    std::printf("%s: valid %s\n", flags.source.scene.c_str(),
+                info["kind"].get<std::string>().c_str());
   } else {
     std::fputs(to_yaml(info).c_str(), stdout);
   }
@@ -74,10 +71,10 @@ void add_info_command(CLI::App& app, CommandBody* body) {
       app.add_subcommand("info", "Say what a scene, a sample file or a data set holds");
   command
       ->add_option(
-          "path", flags->path,
+          "path", flags->source.scene,
           concat("Scene (", kSceneFormats, "), sample file (.safetensors) or data-set directory"))
       ->required();
-  add_scene_options(*command, &flags->scene);
+  add_source_options(*command, &flags->source);
   command->add_flag("--deep", flags->deep, "Of a data set, read and check every sample file");
   command->add_flag("--validate-only", flags->validate_only, "Check everything and print one line");
   add_common_options(*command, &flags->common);

@@ -20,9 +20,9 @@ constexpr int64_t kDefaultCap = 65536;
 
 struct ProbeFlags {
   CommonOptions common;
-  SceneOptions options;
+  SceneSource source;
   pathtrace::ProbeOptions probe;
-  std::string scene, points, out;
+  std::string points, out;
   bool has_rays = false, validate_only = false;
 };
 
@@ -40,7 +40,7 @@ pathtrace::ProbeResult run(const scene::Scene& scene, const std::string& file,
 
 void run_probe(ProbeFlags* flags) {
   CommandFiles files;
-  add_scene_files(flags->scene, flags->options, &files);
+  claim_scene(flags->source, &files);
   files.reads("--points", flags->points);
   files.writes("--out", flags->out);
   files.writes_common(flags->common);
@@ -48,10 +48,10 @@ void run_probe(ProbeFlags* flags) {
   apply_common_options(flags->common);
   check_writable(flags->out);
   check_writable(flags->common.json);
-  const scene::Scene scene = load_and_report(flags->scene, flags->options);
+  const scene::Scene scene = load_and_report(flags->source);
   files.check_what_was_read();
   if (flags->validate_only) {
-    std::fputs(validation_line(flags->scene, scene).c_str(), stdout);
+    std::fputs(validation_line(flags->source.scene, scene).c_str(), stdout);
     return;
   }
   LTE_CHECK(!flags->points.empty(),
@@ -79,7 +79,7 @@ void add_probe_command(CLI::App& app, CommandBody* body) {
   auto flags = std::make_shared<ProbeFlags>();
   CLI::App* command =
       app.add_subcommand("probe", "Path-trace irradiance at the points of a CSV file");
-  command->add_option("scene", flags->scene, concat("Scene: ", kSceneFormats))->required();
+  command->add_option("scene", flags->source.scene, concat("Scene: ", kSceneFormats))->required();
   command->add_option("--points", flags->points,
                       "CSV file with the header px,py,pz,nx,ny,nz, world space");
   command->add_option("--out", flags->out, "CSV file to write");
@@ -95,7 +95,7 @@ void add_probe_command(CLI::App& app, CommandBody* body) {
       "--target-error", flags->probe.target_error,
       "Relative standard error of total irradiance to reach, e.g. 0.01; 0: fixed --rays");
   command->add_option("--seed", flags->probe.seed, "Seed of the paths")->capture_default_str();
-  add_scene_options(*command, &flags->options);
+  add_source_options(*command, &flags->source);
   command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
   add_common_options(*command, &flags->common);
   command->footer(
