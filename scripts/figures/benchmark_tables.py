@@ -12,8 +12,9 @@ MODELS = "assets/models"
 
 @dataclasses.dataclass(frozen=True)
 class Command:
-    """A command line. {json} is the file that it writes, {work} a folder that is kept; a command
-    without {json} prepares the others. `json` names another file that holds its result."""
+    """A command line: a program of the build, or a script by its path. {json} is the file that it
+    writes, {work} a folder that is kept; a command without {json} prepares the others. `json` names
+    another file that holds its result."""
     line: str
     label: str = ""
     json: str = "{work}/{table}-{label}.json"
@@ -52,6 +53,15 @@ def outside_rows(results):
                      "whole": whole_pictures([f["whole"] for f in figures]),
                      "cpu_seconds": method["processor_seconds_median"]})
     return rows
+
+
+def point_rows(results):
+    scenes = results["probe"]["scenes"]
+    return [{"method": method["name"], "rooms": len(scenes), "worth": method["worth"],
+             "least": method["least"], "cpu_seconds": method["processor_seconds"],
+             "mean_within": sum(abs(scene[method["name"]]["mean_ratio"] - 1) <= 0.05
+                                for scene in scenes)}
+            for method in results["probe"]["methods"]]
 
 
 def picture_rows(results):
@@ -141,6 +151,13 @@ TABLES = (
            ("mean within 5 %", "mean_within"), ("spp, geometric mean", "worth"),
            ("least", "least"), ("whole picture: MSE / mean²", "whole.mse"), ("FLIP", "whole.flip"),
            ("SSIM", "whole.ssim"), ("CPU s", "cpu_seconds"))),
+    Table("points", (
+        Command("scripts/figures/point_errors.py assets/scenes/outside --work {work}/points "
+                "--json {json}", "probe"),),
+          point_rows,
+          (("--integrator", "method"), ("rooms", "rooms"), ("mean within 5 %", "mean_within"),
+           ("samples a point, geometric mean", "worth"), ("least", "least"),
+           ("CPU s", "cpu_seconds"))),
     Table("pictures", (
         pareto("plain", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240", "denoised,gather,network"),),
           picture_rows,

@@ -146,7 +146,7 @@ def measure(table, args):
         words = [word.format(**names) for word in command.line.split()]
         if path.suffix == ".jsonl":
             shutil.rmtree(ROOT / path.parent, ignore_errors=True)  # a run goes into no old folder
-        run_command([str(args.bin / words[0]), *words[1:]])
+        run_command([words[0] if "/" in words[0] else str(args.bin / words[0]), *words[1:]])
         if command.label:
             results[command.label] = read_json(ROOT / path)
         shown.append(shlex.join(word for word in words if word not in ("--json", str(path))))

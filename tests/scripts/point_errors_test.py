@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""scripts/figures/point_errors.py, on answers whose error is known."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "figures" / "point_errors.py"
+# A sample of two light groups, whose light is 0.5 and 1.5 at each of four points, with a variance
+# of 0.01 of the mean over all paths.
+DATAGEN = """#!{python}
+import json, struct, sys
+shapes = {{"indirect": [2, 4, 3], "variance": [4], "query_position": [4, 3],
+          "query_normal": [4, 3]}}
+values = {{"indirect": [0.5] * 12 + [1.5] * 12, "variance": [0.01] * 4,
+          "query_position": list(range(12)), "query_normal": [0, 1, 0] * 4}}
+header, body = {{"__metadata__": {{"rays": "100"}}}}, b""
+for name, shape in shapes.items():
+    data = struct.pack(f"<{{len(values[name])}}f", *values[name])
+    header[name] = {{"dtype": "F32", "shape": shape,
+                    "data_offsets": [len(body), len(body) + len(data)]}}
+    body += data
+text = json.dumps(header).encode()
+with open(sys.argv[sys.argv.index("--out") + 1], "wb") as file:
+    file.write(struct.pack("<Q", len(text)) + text + body)
+"""
+# Of gather a fifth too bright at two points and too dark at the others; of the network the truth.
+PROBE = """#!{python}
+import csv, sys
+flag = lambda name: sys.argv[sys.argv.index(name) + 1]
+rows = list(csv.DictReader(open(flag("--points"))))
+with open(flag("--out"), "w", newline="") as file:
+    out = csv.writer(file)
+    out.writerow([f"{{k}}_{{c}}" for k in ("total", "direct") for c in "rgb"])
+    for i, row in enumerate(rows):
+        assert float(row["px"]) == 3 * i and row["ny"] == "1.0"
+        off = (0.2 if i % 2 else -0.2) if flag("--integrator") == "gather" else 0
+        out.writerow([7 + 2 + off] * 3 + [7] * 3)
+"""
+
+
+class PointErrors(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        for name, text in (("lte_datagen", DATAGEN), ("lte_probe", PROBE)):
+            tool = self.folder / name
+            tool.write_text(text.format(python=sys.executable))
+            tool.chmod(0o755)
+        (self.folder / "rooms").mkdir()
+        for name in ("a.glb", "b.obj", "b.camera.json"):
+            (self.folder / "rooms" / name).touch()
+
+    def run_script(self, *more):
+        return subprocess.run(
+            [sys.executable, SCRIPT, self.folder / "rooms", "--bin", self.folder, "--work",
+             self.folder / "work", "--points", "4", "--rays", "100", *more],
+            capture_output=True, text=True, check=False)
+
+    def test_takes_the_variance_of_the_reference_off(self):
+        done = self.run_script("--json", self.folder / "out.json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual([scene["name"] for scene in result["scenes"]], ["a.glb", "b.obj"])
+        gather, network = result["methods"]
+        # A path has the variance 100 * 0.01, and the answers an error of 0.04 less 0.01.
+        self.assertAlmostEqual(gather["worth"], 1 / 0.03, 3)
+        self.assertAlmostEqual(result["scenes"][0]["gather"]["mean_ratio"], 1, 6)
+        self.assertAlmostEqual(network["worth"], 1000, 6,
+                               "no more is claimed than the reference can tell")
+
+    def test_says_which_command_failed(self):
+        (self.folder / "lte_probe").write_text(
+            "#!/bin/sh\necho 'lte_probe: no light' >&2; exit 1\n")
+        done = self.run_script()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("lte_probe: no light", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
