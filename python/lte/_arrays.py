@@ -5,6 +5,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lte._lte import check_surface
+
 Floats: TypeAlias = NDArray[np.float32]
 
 
@@ -13,11 +15,7 @@ def surface(points: Any, normals: Any) -> tuple[Floats, Floats]:
     at, side = _triples("points", points), _triples("normals", normals)
     if len(at) != len(side):
         raise ValueError(f"normals: expected as many as points, {len(at)}, got {len(side)}")
-    with np.errstate(over="ignore"):
-        lengths = np.linalg.norm(side, axis=1)
-    usable = (lengths > 1e-6) & np.isfinite(lengths)
-    if not usable.all():
-        raise ValueError(f"normals: row {int(np.argmin(usable))} has no length, or too much")
+    check_surface(at, side)
     return at, side
 
 
@@ -36,12 +34,10 @@ def _triples(name: str, values: Any) -> Floats:
     array = _array(name, values)
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"{name}: expected [N, 3], got {list(array.shape)}")
+    if _readable(array):
+        return array
     with np.errstate(over="ignore"):  # what float32 cannot hold is not finite there
-        rows = array if _readable(array) else np.ascontiguousarray(array, np.float32)
-    finite = np.isfinite(rows).all(axis=1)
-    if not finite.all():
-        raise ValueError(f"{name}: row {int(np.argmin(finite))} is not finite")
-    return rows
+        return np.ascontiguousarray(array, np.float32)
 
 
 def _readable(rows: NDArray[Any]) -> bool:

@@ -8,11 +8,27 @@
 #include "lte/base/log.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/probe.h"
+#include "lte/scene/number_check.h"
 
 #include "python/src/module.h"
 
 namespace lte::python {
 namespace {
+
+/// @throws ValueError that names the first row of no use
+void check_surface(const Triples& points, const Triples& normals) {
+  for (size_t i = 0; i < points.shape(0); ++i) {
+    const Vec3 at = row_of(points, i), side = row_of(normals, i);
+    const auto check = [i](bool good, const char* what, const char* fault) {
+      if (!good) throw nb::value_error(concat(what, ": row ", i, fault).c_str());
+    };
+    check(is_finite(at), "points", " is not finite");
+    check(scene::is_place(at), "points", " is too far from the origin");
+    check(is_finite(side), "normals", " is not finite");
+    check(length(side) > 1e-6f && std::isfinite(length(side)), "normals",
+          " has no length, or too much");
+  }
+}
 
 /// Points given with too few digits lie on their surfaces, as lte_probe has it.
 scene::PointTable table_of(const Scene& scene, const Triples& points, const Triples& normals) {
@@ -97,6 +113,7 @@ void bind_light(nb::module_& m) {
         nb::arg("integrator"), nb::arg("model").none(), nb::arg("spp"), nb::arg("error"),
         nb::arg("depth"), nb::arg("seed"));
   m.def("trace", &trace);
+  m.def("check_surface", &check_surface);
 }
 
 }  // namespace lte::python

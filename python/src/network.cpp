@@ -48,14 +48,20 @@ std::unique_ptr<runtime::SceneEmbedding> encode(const Model& self, const Scene& 
 /// Indirect irradiance, [N, 3]. @param albedo  by default the surface's
 Array decode(const runtime::SceneEmbedding& self, const Scene& scene, const Triples& points,
              const Triples& normals, const std::optional<Triples>& albedo) {
-  const std::vector<Rgb> light = interruptible([&] {
+  const auto ask = [&] {
     apply_threads();
     const std::vector<Vec3> at = vector_of(points), side = directions_of(normals);
     const std::vector<Rgb> color =
         albedo ? vector_of(*albedo) : embed::albedo_at(*scene.bvh(), {at, side});
     return self.decode({at, side, color});
-  });
-  return array_of(light);
+  };
+  constexpr size_t kFew = 1000;  // that are there before anyone would end it
+  if (points.shape(0) > kFew) return array_of(interruptible(ask));
+  const auto unlocked = [&] {
+    const nb::gil_scoped_release release;
+    return ask();
+  };
+  return array_of(unlocked());
 }
 
 }  // namespace

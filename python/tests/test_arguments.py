@@ -119,6 +119,7 @@ def test_a_dark_scene_is_black(tmp_path):
     (np.zeros((2, 3), complex), TypeError, "points: expected float32 or float64, got complex128"),
     (np.full((2, 3), np.nan), ValueError, "points: row 0 is not finite"),
     (np.array([[0, 0, 0], [0, 1e60, 0]]), ValueError, "points: row 1 is not finite"),
+    (np.array([[0, 0, 0], [0, 1e20, 0]]), ValueError, "points: row 1 is too far from the origin"),
     (np.array([["a", "b", "c"]]), TypeError, "points: expected float32 or float64, got <U1"),
     ([["a", "b", "c"]], TypeError, "points: expected [N, 3] numbers, got <U1"),
     ([[True, False, True]], TypeError, "points: expected [N, 3] numbers, got bool"),
