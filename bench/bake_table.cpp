@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/begin_command.h"
+#include "infer/bake/bake_command.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/tool_options.h"
 #include "lte/bake/bake.h"
@@ -81,6 +82,7 @@ Row measure(const Measured& m, const std::string& name, double seconds,
 Row product(Measured* m, const std::string& name, int passes, int path_passes, uint64_t seed) {
   const Timer timer;
   render::CacheSettings cache;
+  cache.records = infer::BakeRequest().records;
   cache.seed = seed;
   const auto integrator = render::make_gather(m->traced(), cache);
   integrator->prepare();
@@ -88,6 +90,7 @@ Row product(Measured* m, const std::string& name, int passes, int path_passes, u
   options.passes = passes;
   options.path_passes = path_passes;
   options.seed = seed;
+  options.back = &m->sides.back;  // where both are lit, chance says which is brighter
   std::vector<bake::BakedLayer> layers;
   layers.push_back({"light", bake::light_texels(m->traced(), *integrator, m->layout.atlas,
                                                 m->layout.texels, options)});
@@ -196,9 +199,8 @@ void run_bake_table(const BakeTableRequest& request, const CommonOptions& common
     prepare(request, &m);
     std::vector<Row> rows;
     rows.push_back(product(&m, "bake draft", 2, 0, request.seed));
-    rows.push_back(product(&m, "bake preview", 2, 8, request.seed));
-    rows.push_back(product(&m, "bake 64 rays alone", 16, 0, request.seed));
-    rows.push_back(product(&m, "bake final", 4, 32, request.seed));
+    rows.push_back(product(&m, "bake preview", 4, 0, request.seed));
+    rows.push_back(product(&m, "bake final", 16, 16, request.seed));
     add_network(&m, request, &rows);
     add_paths(m, 16, 2, request.seed, &rows);
     add_paths(m, 64, 1, request.seed, &rows);

@@ -9,8 +9,11 @@
 
 namespace lte::infer {
 
-/// The command line as it stands.
+/// The command line as it stands. Texels see into narrower gaps than pixels do, so there are more
+/// records.
 struct BakeRequest : LightRequest {
+  BakeRequest() { records *= 4; }
+
   std::string out;
   std::string quality = "preview", include = "full", format = "gltf";
   std::string time;  ///< empty: as long as `quality` takes

@@ -29,11 +29,11 @@ bake::LightOptions light_options(const BakeRequest& request) {
   out.max_depth = request.max_depth;
   out.seed = request.seed;
   const Quality quality = parse_enum<Quality>("--quality", request.quality);
-  // Paths cost little more than gathered rays and carry no light into the dark.
-  out.passes = quality == Quality::Final ? 4 : 2;
-  out.path_passes = quality == Quality::Draft ? 0 : quality == Quality::Preview ? 8 : 32;
+  out.passes = quality == Quality::Draft ? 2 : quality == Quality::Preview ? 4 : 16;
+  // Gathered light errs where its records do, which shows when noise is gone.
+  out.path_passes = quality == Quality::Final ? 16 : 0;
   if (!request.time.empty() || request.error > 0) {
-    out.passes = request.by_paths() ? kManyPasses : 2;
+    out.passes = request.by_paths() ? kManyPasses : 4;
     out.path_passes = kManyPasses;
     out.error = request.error;
   }

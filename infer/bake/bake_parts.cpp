@@ -91,6 +91,7 @@ std::optional<bake::LightState> BakeParts::read(bake::Shard shard, size_t layer,
     return std::vector<uint8_t>(from.begin(), from.end());
   };
   out.dark = bytes("dark", rows);
+  out.rate = bytes("rate", rows);
   out.back = bytes("back", static_cast<int64_t>(charts));
   const std::span<const int64_t> counts = file.values<int64_t>("counts", {5});
   out.two_sided = counts[0];
@@ -110,6 +111,7 @@ void BakeParts::write(bake::Shard shard, size_t layer, const bake::LightState& s
   for_sums(state.samples, "samples", add);
   for_sums(state.paths, "paths", add);
   writer.add("dark", {static_cast<int64_t>(state.dark.size())}, state.dark.data());
+  writer.add("rate", {static_cast<int64_t>(state.rate.size())}, state.rate.data());
   writer.add("back", {static_cast<int64_t>(state.back.size())}, state.back.data());
   const std::array<int64_t, 5> counts{state.two_sided, state.samples.passes[0],
                                       state.samples.passes[1], state.paths.passes[0],

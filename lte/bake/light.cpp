@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "lte/bake/rates.h"
 #include "lte/bake/sides.h"
 #include "lte/bake/texel_sampler.h"
 #include "lte/base/check.h"
@@ -39,11 +40,28 @@ std::vector<uint32_t> lit_texels(const LightState& state) {
   return out;
 }
 
+/// Of the passes after the first two, those that a lit texel takes part in.
+double mean_rate(const LightState& state) {
+  double sum = 0, lit = 0;
+  for (size_t i = 0; i < state.dark.size(); ++i) {
+    if (state.dark[i] != 0) continue;
+    sum += static_cast<double>(state.rate[i]) / kFullRate;
+    ++lit;
+  }
+  return lit > 0 ? std::max(sum / lit, 1.0 / kFullRate) : 1;
+}
+
+/// Mean over lit texels.
+double mean_passes(const LightState& state, const TexelSamples& samples) {
+  const double all = samples.passes[0] + samples.passes[1];
+  return all <= 2 ? all : 2 + (all - 2) * mean_rate(state);
+}
+
 /// Two halves of indirect light.
 Halves indirect_of(const TexelGraph& graph, const LightState& state) {
-  Halves out = smooth(graph, state.samples.means(state.samples.indirect));
+  Halves out = smooth(graph, state.samples.means(state.samples.indirect, state.rate));
   if (state.paths.passes[0] == 0) return out;
-  return correct(graph, std::move(out), state.paths.means(state.paths.indirect));
+  return correct(graph, std::move(out), state.paths.means(state.paths.indirect, state.rate));
 }
 
 /// The passes of a bake, from the first to the last.
@@ -65,6 +83,7 @@ class Bake {
       start();
     }
     lit_ = lit_texels(state_);
+    mean_rate_ = mean_rate(state_);
     sample(sampler_, integrator_, kRays, options_.passes, &state_.samples);
     if (integrator_.method() != render::Method::Path) {
       LightOptions thin = options_;
@@ -81,14 +100,20 @@ class Bake {
   void done() {
     ++step_;
     if (!options_.progress) return;
-    const double steps = options_.passes + options_.path_passes + kOtherSteps;
-    options_.progress(std::min(1.0, std::max(timer_.seconds() / options_.seconds, step_ / steps)));
+    const int steps = passes_for(options_.passes) + passes_for(options_.path_passes) + kOtherSteps;
+    options_.progress(std::min(
+        1.0, std::max(timer_.seconds() / options_.seconds, static_cast<double>(step_) / steps)));
+  }
+
+  /// Passes after which texels have had `count` in the mean.
+  int passes_for(int count) const {
+    return count <= 2 ? count : 2 + 2 * static_cast<int>(std::ceil((count - 2) / mean_rate_ / 2));
   }
 
   void pass(const TexelSampler& sampler, const render::Integrator& by, uint64_t stream, int number,
             Shard shard, TexelSamples* into) {
     const Timer timer;
-    sampler.pass(by, lit_, state_.back, sampler.sampling(stream), number, into, shard);
+    sampler.pass(by, lit_, state_.back, sampler.sampling(stream), number, into, state_.rate, shard);
     last_pass_s_ = timer.seconds();
     done();
   }
@@ -108,11 +133,16 @@ class Bake {
     state_.back.resize(static_cast<size_t>(atlas_.charts));
     lit_ = lit_texels(state_);
     if (options_.back != nullptr) state_.back = *options_.back;
+    state_.rate.assign(texels_.size(), kFullRate);
     for (int k = 0; k < 2; ++k) pass(sampler_, integrator_, kRays, k, {}, &state_.samples);
     if (options_.back == nullptr) choose_sides(sampler_, integrator_, atlas_, texels_, &state_);
     done();
     find_darkness(scene_.bvh, atlas_, texels_, turned_normals(texels_, state_.back), options_,
                   &state_);
+    done();
+    graph_.emplace(graph_of(scene_.bvh, texels_, state_));
+    state_.rate = sampling_rates(
+        *graph_, state_.samples.means(state_.samples.indirect, state_.rate), state_.dark);
     done();
     if (options_.keep) options_.keep(state_);
   }
@@ -123,11 +153,13 @@ class Bake {
     return relative_error(indirect_of(*graph_, state_)) <= options_.error;
   }
 
-  /// Passes two by two, up to `count`. The error is looked at when samples have doubled.
+  /// Passes two by two, until texels have had `count` in the mean. The error is looked at when
+  /// samples have doubled.
   void sample(const TexelSampler& sampler, const render::Integrator& by, uint64_t stream, int count,
               TexelSamples* into) {
     int next_look = kFirstLook;
-    for (int k = into->passes[0] + into->passes[1]; k < count && two_fit(); k += 2) {
+    const int end = passes_for(count);
+    for (int k = into->passes[0] + into->passes[1]; k < end && two_fit(); k += 2) {
       if (options_.error > 0 && k >= next_look) {
         next_look *= 2;
         if (is_even()) return;
@@ -148,6 +180,7 @@ class Bake {
   std::vector<uint32_t> lit_;  ///< texels that passes are over: all, then those that are not dark
   std::optional<TexelGraph> graph_;
   int step_ = 0;
+  double mean_rate_ = 1;
   double last_pass_s_ = 0;
 };
 
@@ -199,7 +232,7 @@ LightState joined(const std::vector<LightState>& shards) {
   LTE_CHECK(!shards.empty(), "light of texels: no shard to join");
   LightState out = shards.front();
   for (const LightState& one : shards) {
-    LTE_CHECK(one.dark == out.dark && one.back == out.back &&
+    LTE_CHECK(one.dark == out.dark && one.back == out.back && one.rate == out.rate &&
                   one.samples.passes == out.samples.passes && one.paths.passes == out.paths.passes,
               "light of texels: shards of different bakes");
   }
@@ -223,12 +256,11 @@ TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texe
   TexelLight out;
   out.irradiance.resize(texels.size());
   out.two_sided = state.two_sided;
-  out.passes = state.samples.passes[0] + state.samples.passes[1];
-  out.paths = by_paths ? out.passes * options.rays
-                       : kPathsAPass * (state.paths.passes[0] + state.paths.passes[1]);
+  out.passes = mean_passes(state, state.samples);
+  out.paths = by_paths ? out.passes * options.rays : kPathsAPass * mean_passes(state, state.paths);
   Halves light = indirect_of(graph, state);
   if (options.direct) {
-    const Halves direct = smooth(graph, state.samples.means(state.samples.direct));
+    const Halves direct = smooth(graph, state.samples.means(state.samples.direct, state.rate));
     for (size_t h = 0; h < 2; ++h)
       for (size_t i = 0; i < direct[h].size(); ++i) light[h][i] += direct[h][i];
   }

@@ -16,12 +16,12 @@ namespace lte::bake {
 /// Sums over passes, which alternate between two halves. `direct` is empty where it is not wanted.
 struct TexelSamples {
   std::array<std::vector<Rgb>, 2> direct, indirect;  ///< [texels] W/m²
-  std::array<int, 2> passes{};
+  std::array<int, 2> passes{};                       ///< of texels with the full rate
 
   TexelSamples() = default;
   TexelSamples(size_t texels, bool with_direct);
-  /// Of `direct` or `indirect`.
-  Halves means(const std::array<std::vector<Rgb>, 2>& sums) const;
+  /// Of `direct` or `indirect`. @param rate  LightState::rate
+  Halves means(const std::array<std::vector<Rgb>, 2>& sums, std::span<const uint8_t> rate) const;
   /// All light of a texel that the samples have found.
   Rgb sum(size_t texel) const;
 };
@@ -42,6 +42,7 @@ struct Shard {
 /// What the passes so far have found, from which a bake goes on as if it had not stopped.
 struct LightState {
   std::vector<uint8_t> dark, back;  ///< TexelLight has these
+  std::vector<uint8_t> rate;        ///< [texels] sampling_rates(), of passes after the first two
   int64_t two_sided = 0;
   TexelSamples samples, paths;
 };
@@ -49,10 +50,10 @@ struct LightState {
 /// What samples are drawn. Passes alternate between two halves.
 struct LightOptions {
   bool direct = false;    ///< beside indirect light
-  int passes = 8;         ///< by the integrator; at least 2
+  int passes = 8;         ///< by the integrator, mean over texels; at least 2
   int rays = 4;           ///< a texel and pass
   int light_samples = 4;  ///< a texel and pass
-  int path_passes = 0;    ///< of two paths a texel, which correct what was gathered; even
+  int path_passes = 0;    ///< of two paths a texel, which correct what was gathered; mean, even
   int max_depth = 5;
   double seconds = INFINITY;  ///< passes after the first two end by then, and so does what follows
   double error = 0;           ///< passes end at this relative_error() of indirect light; 0: none
@@ -74,8 +75,8 @@ struct TexelLight {
   std::vector<uint8_t> back;    ///< [charts] 1: light of the back
   int64_t two_sided = 0;        ///< texels lit on both sides, of which the brighter was taken
   double expected_error = 0;    ///< Provenance::expected_error
-  int passes = 0;               ///< by the integrator
-  int paths = 0;                ///< a texel, traced to its end
+  double passes = 0;            ///< by the integrator, mean over lit texels
+  double paths = 0;             ///< a texel, traced to its end; mean
 };
 
 /// All passes of a shard. The integrator has been prepared.

@@ -12,9 +12,11 @@ namespace {
 /// Cosine between normals beyond which light has no reason to be the same on both sides.
 constexpr float kSmoothEdge = 0.9f;
 /// Weights of least squares: of a seam, of a lit texel's own value, of a filled one's.
-constexpr double kSeam = 500, kOwn = 1, kFilledOwn = 0.1;
+constexpr double kSeam = 5000, kOwn = 1, kFilledOwn = 0.1;
 constexpr int kIterations = 200, kRounds = 6;
-constexpr double kPrecision = 1e-10;
+/// Solutions, each with the strengths that the light of the one before says.
+constexpr int kReweighings = 3;
+constexpr double kPrecision = 1e-7;
 /// Of the mean light along seams: differences of darker places count relative to that.
 constexpr double kUnseen = 0.01;
 
@@ -197,14 +199,12 @@ void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>&
   System system{seams};
   std::vector<uint32_t> number(mask.size(), ~0u);
   double mean = 0;
-  const std::vector<double> level = levels_of(seams, *irradiance, &mean);
+  std::vector<double> level = levels_of(seams, *irradiance, &mean);
   // Differences count relative to the light there, as they are seen.
   const auto share = [&](double light, double weight) {
     return weight / std::pow(std::max(light, kUnseen * mean) + 1e-30, 2);
   };
-  for (size_t s = 0; s < seams.size(); ++s) {
-    const SeamPlace& place = seams[s];
-    system.strength.push_back(share(level[s], kSeam));
+  for (const SeamPlace& place : seams) {
     std::array<uint32_t, 8>& column = system.column.emplace_back();
     for (size_t k = 0; k < 8; ++k) {
       uint32_t& at = number[place.pixel[k]];
@@ -214,21 +214,35 @@ void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>&
         const bool lit = static_cast<Texel>(mask[place.pixel[k]]) == Texel::Lit;
         system.own.push_back(
             share(double{level_of(*irradiance, place.pixel[k])}, lit ? kOwn : kFilledOwn));
-        system.diagonal.push_back(system.own.back());
       }
       column[k] = at;
-      system.diagonal[at] += system.strength.back() * std::pow(double{place.weight[k]}, 2);
     }
   }
+  std::array<std::vector<double>, 3> x, right;
   for (size_t c = 0; c < 3; ++c) {
-    std::vector<double> x(system.pixel.size()), right(x.size());
-    for (size_t i = 0; i < x.size(); ++i) {
-      x[i] = double{(*irradiance)[3 * system.pixel[i] + c]};
-      right[i] = system.own[i] * x[i];
+    for (size_t i = 0; i < system.pixel.size(); ++i) {
+      x[c].push_back(double{(*irradiance)[3 * system.pixel[i] + c]});
+      right[c].push_back(system.own[i] * x[c][i]);
     }
-    solve_nonnegative(system, right, &x);
-    for (size_t i = 0; i < x.size(); ++i)
-      (*irradiance)[3 * system.pixel[i] + c] = static_cast<float>(x[i]);
+  }
+  for (int round = 0; round < kReweighings; ++round) {
+    // A bright side that has come down to a dark one is as dark there.
+    double unused = 0;
+    const std::vector<double> now = levels_of(seams, *irradiance, &unused);
+    system.diagonal = system.own;
+    system.strength.clear();
+    for (size_t s = 0; s < seams.size(); ++s) {
+      level[s] = std::min(level[s], now[s]);
+      system.strength.push_back(share(level[s], kSeam));
+      for (size_t k = 0; k < 8; ++k)
+        system.diagonal[system.column[s][k]] +=
+            system.strength[s] * std::pow(double{seams[s].weight[k]}, 2);
+    }
+    for (size_t c = 0; c < 3; ++c) {
+      solve_nonnegative(system, right[c], &x[c]);
+      for (size_t i = 0; i < x[c].size(); ++i)
+        (*irradiance)[3 * system.pixel[i] + c] = static_cast<float>(x[c][i]);
+    }
   }
 }
 

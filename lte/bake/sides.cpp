@@ -15,6 +15,8 @@ constexpr double kLitShare = 0.02;
 constexpr int64_t kDeciding = 64;
 /// Of the mean light: what is darker is looked at again, by paths that end where light is.
 constexpr float kDim = 0.01f;
+/// Places of a texel that are looked at, until light reaches one.
+constexpr int kReachPlaces = 4;
 constexpr uint64_t kBackRays = 83, kReachPaths = 85, kTurnedRays = 86;
 
 /// What a side of each chart has shown of light.
@@ -131,15 +133,26 @@ void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& 
   reach.max_depth = options.max_depth;
   reach.seed = hash_combine(options.seed, kReachPaths);
   const auto reached = [&](const std::vector<size_t>& which) {
-    std::vector<Vec3> position, normal;
-    for (const size_t i : which) {
-      // Not the middle, which often lies in the very plane of a wall, where both sides see it.
-      Rng rng(reach.seed, texels.pixel[i]);
-      position.push_back(
-          place_in(atlas, texels, i, {rng.uniform(), rng.uniform(), rng.uniform()}).position);
-      normal.push_back(normals[i]);
+    std::vector<uint8_t> found(which.size());
+    // Not the middle, which often lies in the very plane of a wall, where both sides see it; and
+    // more than one, as things cover parts of texels.
+    for (int place = 0; place < kReachPlaces; ++place) {
+      std::vector<size_t> left;
+      std::vector<Vec3> position, normal;
+      for (size_t k = 0; k < which.size(); ++k) {
+        if (found[k] != 0) continue;
+        const size_t i = which[k];
+        Rng rng(hash_combine(reach.seed, static_cast<uint64_t>(place)), texels.pixel[i]);
+        left.push_back(k);
+        position.push_back(
+            place_in(atlas, texels, i, {rng.uniform(), rng.uniform(), rng.uniform()}).position);
+        normal.push_back(normals[i]);
+      }
+      const std::vector<uint8_t> here =
+          pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
+      for (size_t k = 0; k < left.size(); ++k) found[left[k]] = here[k];
     }
-    return pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
+    return found;
   };
   const DimPatches dim(atlas, texels, state->samples);
   std::vector<size_t> first, rest;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lte/bake/rates.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 
@@ -20,10 +21,13 @@ TexelSamples::TexelSamples(size_t texels, bool with_direct) {
   }
 }
 
-Halves TexelSamples::means(const std::array<std::vector<Rgb>, 2>& sums) const {
+Halves TexelSamples::means(const std::array<std::vector<Rgb>, 2>& sums,
+                           std::span<const uint8_t> rate) const {
   Halves out = sums;
-  for (size_t h = 0; h < 2; ++h)
-    for (Rgb& value : out[h]) value *= 1.0f / static_cast<float>(std::max(1, passes[h]));
+  for (size_t h = 0; h < 2; ++h) {
+    for (size_t i = 0; i < out[h].size(); ++i)
+      out[h][i] *= 1.0f / static_cast<float>(std::max(1, passes_of(rate[i], passes[h])));
+  }
   return out;
 }
 
@@ -37,6 +41,7 @@ render::PointSampling TexelSampler::sampling(uint64_t stream) const {
   render::PointSampling out;
   out.rays = options_.rays;
   out.light_samples = options_.direct ? options_.light_samples : 0;
+  out.near_hits = options_.max_depth;
   out.seed = stream;
   return out;
 }
@@ -55,14 +60,19 @@ std::array<float, 3> TexelSampler::numbers(uint32_t texel, int number) const {
 
 void TexelSampler::pass(const render::Integrator& integrator, std::span<const uint32_t> which,
                         std::span<const uint8_t> back, const render::PointSampling& sampling,
-                        int number, TexelSamples* samples, Shard shard) const {
+                        int number, TexelSamples* samples, std::span<const uint8_t> rate,
+                        Shard shard) const {
   const auto half = static_cast<size_t>(number) % 2;
   render::PointSampling one = sampling;
   one.seed =
       hash_combine(hash_combine(options_.seed, sampling.seed), static_cast<uint64_t>(number));
   for (size_t begin = 0; begin < which.size(); begin += kShardBlock) {
     if (!shard.has(begin)) continue;
-    const auto block = which.subspan(begin, std::min(kShardBlock, which.size() - begin));
+    std::vector<uint32_t> block;
+    for (const uint32_t i : which.subspan(begin, std::min(kShardBlock, which.size() - begin))) {
+      if (rate.empty() || passes_of(rate[i], number / 2 + 1) > passes_of(rate[i], number / 2))
+        block.push_back(i);
+    }
     std::vector<Vec3> position(block.size()), normal(block.size());
     parallel_for(static_cast<int64_t>(block.size()), 512, [&](int64_t first, int64_t end) {
       for (auto i = static_cast<size_t>(first); i < static_cast<size_t>(end); ++i) {

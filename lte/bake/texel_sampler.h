@@ -20,10 +20,11 @@ class TexelSampler {
   render::PointSampling sampling(uint64_t stream) const;
   /// Pass `number` over some texels, whose numbers ascend.
   /// @param back   [charts] 1: light of the back
+  /// @param rate   LightState::rate, by which some take no part; empty: all do
   /// @param shard  whose blocks of them are sampled; what they get is the same as of all
   void pass(const render::Integrator& integrator, std::span<const uint32_t> which,
             std::span<const uint8_t> back, const render::PointSampling& sampling, int number,
-            TexelSamples* samples, Shard shard = {}) const;
+            TexelSamples* samples, std::span<const uint8_t> rate = {}, Shard shard = {}) const;
 
  private:
   std::array<float, 3> numbers(uint32_t texel, int number) const;

@@ -47,7 +47,7 @@ struct CacheReader {
   void shadow(const pathtrace::ShadowBlock&) {}
   bool known_irradiance(int depth, float distance, const Vec3& position, const Vec3& side,
                         Rgb* irradiance) {
-    if (depth == 1 && distance < near_m) return false;
+    if (depth <= near_hits && distance < near_m) return false;
     ++counts->lookups;
     if (cache->lookup(position + frame, side, irradiance)) return true;
     ++counts->misses;
@@ -59,6 +59,7 @@ struct CacheReader {
   const IrradianceCache* cache;
   Vec3 frame;
   float near_m;
+  int near_hits;
   float spread;
   scene::TexelDensities* texels;
   Counts* counts;
@@ -96,7 +97,7 @@ class Gatherer : public pathtrace::LightSink {
         half_extent_(0.5f * max_component(bvh.bounds().extent())),
         sampler_(pathtrace::Sampling::Sobol, kStratified * options.rays),
         transport_(bvh, lights, options.max_depth, kRouletteDepth, *this,
-                   CacheReader{&cache, frame_, options.near * cache.radius(),
+                   CacheReader{&cache, frame_, options.near * cache.radius(), options.near_hits,
                                spread_of(cache, options.rays), &texels_, &counts_},
                    AimedDirections{&aims_, point_.data()}) {}
 

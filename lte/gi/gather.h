@@ -18,6 +18,9 @@ struct GatherOptions {
   /// knows nothing finer than its radius: its direct light is one light sample, and its next hit
   /// reads the cache. Infinite: all do.
   float near = 0.5f;
+  /// Hits of a path that may be so near, from its first on. Paths within narrow gaps, as behind
+  /// furniture, are near all the way: more of them carry no light into the dark.
+  int near_hits = 1;
   /// Surface hits of paths that the cache does not end: those along metal, and those that leave the
   /// surfaces it knows.
   int max_depth = 5;

@@ -119,6 +119,7 @@ PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCach
   } else if (sampling.rays > 0) {
     gi::GatherOptions options;
     options.rays = sampling.rays;
+    options.near_hits = sampling.near_hits;
     options.max_depth = max_depth;
     options.seed = sampling.seed;
     gi::Gathered gathered =
