@@ -1,5 +1,6 @@
-// experiment_paper roadmap: trains one network of the paper's roadmap for a number of steps, and
-// measures it on the validation split on the way, and once on the test split, if there is one.
+// experiment_paper roadmap: trains one network of the paper's roadmap for a number of steps by
+// AdamW, without an average of the weights, and measures it on the validation split on the way, and
+// once on the test split, if there is one.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -39,6 +40,8 @@ train::TrainConfig configuration(const RoadmapTrial& request) {
   train::TrainConfig config = training_config(request, {concat("train.steps=", request.steps)});
   LTE_CHECK(!config.model.reads_light() && !config.model.predicts_radiance(),
             "model.light_input: the roadmap's networks read emission alone");
+  LTE_CHECK(config.train.optimizer == train::OptimizerKind::AdamW,
+            "train.optimizer: the roadmap's networks are trained by adamw");
   return config;
 }
 

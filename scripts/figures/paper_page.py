@@ -17,9 +17,10 @@ scripts/figures/paper.py all                # within a day of two cores
 
 **What differs.** The paper trained 42 M parameters on 13,900 scenes for a week of four GPUs. Here
 networks are lte-base (3.2 M parameters, light solved on its scene points) or were trained for
-minutes at width 32. MSE is over the mean emission: not errors compare with the paper's, but the
-order of rows. *Quick*: by `--quick`, few scenes, short trainings; ± is half the distance of two
-seeds.
+minutes at width 32, with its stages: the paper's hardly learn in 3,000 steps
+([why](lab/learning.md#choices-in-the-network)). MSE is over the mean emission: not errors compare
+with the paper's, but the order of rows. *Quick*: by `--quick`, few scenes, short trainings; ± is
+half the distance of two seeds.
 
 | paper | there | here | row |
 |---|---|---|---|
@@ -37,7 +38,12 @@ OTHERS = (
      "`lte_train --config configs/model/paper.yaml --dry-run`"),
     ("Radiance, spherical harmonics by degree", "curve", "[lab](lab/radiance.md)",
      "`experiment_directions`"),
+    ("Glossy surfaces", "pictures", "[lab](lab/radiance.md)", "`lte_eval`"),
     ("Path guiding", "picture at 2 paths", "[lab](lab/radiance.md)", "`experiment_guiding`"),
+    ("RenderFormer's scenes", "pictures", "[outside](../assets/scenes/outside/README.md)",
+     "`scripts/assets/get_outside_scenes.py`"),
+    ("Time by points, to a million", "linear", "[benchmarks](benchmarks.md#the-network)",
+     "`lte_bench encoder`"),
     ("Time on a GPU", "208 + 368 ms", "[lab](lab/gpu.md)",
      "`lte_bench encoder`"),
 )
