@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "lte/base/check.h"
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 
 namespace lte::infer {
 namespace {
@@ -56,13 +56,10 @@ std::shared_ptr<const SessionState::Parts> layer_alone(const SessionState::Parts
 
 void add_scaled(const image::Image& from, const Rgb& scale, image::Image* to) {
   if (to->width == 0) *to = image::Image(from.width, from.height, from.channels);
-  parallel_for(static_cast<int64_t>(from.pixels.size() / 3), kSumGrain,
-               [&](int64_t begin, int64_t end) {
-                 for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-                   for (size_t c = 0; c < 3; ++c)
-                     to->pixels[3 * i + c] += from.pixels[3 * i + c] * scale[static_cast<int>(c)];
-                 }
-               });
+  parallel_each(from.pixels.size() / 3, kSumGrain, [&](size_t i) {
+    for (size_t c = 0; c < 3; ++c)
+      to->pixels[3 * i + c] += from.pixels[3 * i + c] * scale[static_cast<int>(c)];
+  });
 }
 
 image::Image mean_of(const image::Image& sum, int count) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/hemisphere.h"
 #include "lte/pathtrace/reach/reach.h"
@@ -60,9 +60,8 @@ double surface_detail(const pathtrace::Bvh& bvh) {
   std::vector<double> near;
   double area = 0;
   std::vector<double> of_point(reached.size());
-  parallel_for(points.size(), kGrain, [&](int64_t begin, int64_t end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-      if (reached[i] != 0) of_point[i] = nearness(bvh, points, i);
+  parallel_each(reached.size(), kGrain, [&](size_t i) {
+    if (reached[i] != 0) of_point[i] = nearness(bvh, points, i);
   });
   for (size_t i = 0; i < reached.size(); ++i) {
     if (reached[i] == 0) continue;

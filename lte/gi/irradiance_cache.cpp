@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "lte/base/check.h"
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 
 namespace lte::gi {
 namespace {
@@ -58,9 +58,8 @@ IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& 
   }
   std::vector<Walls> around(records_.size());
   std::vector<uint8_t> has_walls(records_.size());
-  parallel_for(records.size(), kGrain, [&](int64_t begin, int64_t end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-      has_walls[i] = find_walls(bvh, records.position[i], records.normal[i], radii[i], &around[i]);
+  parallel_each(records_.size(), kGrain, [&](size_t i) {
+    has_walls[i] = find_walls(bvh, records.position[i], records.normal[i], radii[i], &around[i]);
   });
   for (size_t i = 0; i < records_.size(); ++i) {
     LTE_CHECK(direct.empty() || is_finite(direct[i]), "irradiance cache: direct light ", i,

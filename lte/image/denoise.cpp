@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lte/base/check.h"
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 
 namespace lte::image {
 namespace {
@@ -18,20 +18,10 @@ bool is_background(const Image& normal, size_t pixel) {
   return n.x == 0 && n.y == 0 && n.z == 0;
 }
 
-/// Calls use(pixel) for all of them, in several threads.
-template <typename Use>
-void for_pixels(const Image& picture, const Use& use) {
-  parallel_for(static_cast<int64_t>(picture.pixels.size() / 3), kPixels,
-               [&](int64_t begin, int64_t end) {
-                 for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-                   use(i);
-               });
-}
-
 /// The light with what a denoiser cannot take set to 0.
 Image cleaned(const NoisyPicture& picture) {
   Image out = *picture.light;
-  for_pixels(out, [&](size_t i) {
+  parallel_each(out.pixels.size() / 3, kPixels, [&](size_t i) {
     const bool background = is_background(*picture.normal, i);
     for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
       if (background || !std::isfinite(out.pixels[k])) out.pixels[k] = 0;
@@ -43,7 +33,7 @@ Image cleaned(const NoisyPicture& picture) {
 /// Albedo of 1 on every surface: irradiance has no texture, and background is none.
 Image white_surfaces(const Image& normal) {
   Image out(normal.width, normal.height, 3);
-  for_pixels(out, [&](size_t i) {
+  parallel_each(out.pixels.size() / 3, kPixels, [&](size_t i) {
     if (!is_background(normal, i)) out.set_rgb(i, {1, 1, 1});
   });
   return out;
@@ -90,7 +80,7 @@ Image Denoiser::denoise(const NoisyPicture& picture, OidnQuality quality) const 
   if (oidn_) {
     const Image albedo = picture.albedo ? *picture.albedo : white_surfaces(*picture.normal);
     light = oidn_->denoise(light, {&albedo, picture.normal}, quality);
-    for_pixels(light, [&](size_t i) {
+    parallel_each(light.pixels.size() / 3, kPixels, [&](size_t i) {
       if (is_background(*picture.normal, i)) light.set_rgb(i, {});
     });
     return light;

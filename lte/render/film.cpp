@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 
 namespace lte::render {
 namespace {
@@ -13,13 +13,6 @@ using pathtrace::PixelRadiance;
 using pathtrace::RadianceLayers;
 
 constexpr int64_t kPixelsAtOnce = 1 << 14;
-
-template <typename Use>
-void for_pixels(size_t count, const Use& use) {
-  parallel_for(static_cast<int64_t>(count), kPixelsAtOnce, [&](int64_t begin, int64_t end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) use(i);
-  });
-}
 
 void add_rgb(Image* image, size_t pixel, const Rgb& value) {
   image->set_rgb(pixel, image->rgb(pixel) + value);
@@ -65,7 +58,7 @@ void LightSums::add(size_t pixel, const PixelRadiance& sum, int32_t count) {
 RadianceLayers LightEstimate::mean() const {
   if (empty()) return {};
   RadianceLayers out = layers_like(any_of(*this));
-  for_pixels(out.direct.pixels.size() / 3, [&](size_t i) {
+  parallel_each(out.direct.pixels.size() / 3, kPixelsAtOnce, [&](size_t i) {
     PixelRadiance sum;
     int32_t samples = 0;
     for (const LightSums& half : halves) {
@@ -84,7 +77,7 @@ RadianceLayers LightEstimate::mean() const {
 RadianceLayers LightEstimate::mean_of(size_t half) const {
   if (empty()) return {};
   RadianceLayers out = layers_like(any_of(*this));
-  for_pixels(out.direct.pixels.size() / 3, [&](size_t i) {
+  parallel_each(out.direct.pixels.size() / 3, kPixelsAtOnce, [&](size_t i) {
     const bool own = !halves[half].empty() && halves[half].samples[i] > 0;
     const LightSums& sums = halves[own ? half : 1 - half];
     if (!sums.empty()) put(&out, i, sum_of(sums, i), sums.samples[i]);
@@ -161,7 +154,7 @@ size_t Film::near_pixel(size_t pixel, size_t which) const {
 
 Image Film::mean(const Image& sum) const {
   Image out = sum;
-  for_pixels(pixels(), [&](size_t i) {
+  parallel_each(pixels(), kPixelsAtOnce, [&](size_t i) {
     if (rays[i] > 1) out.set_rgb(i, out.rgb(i) * (1 / static_cast<float>(rays[i])));
   });
   return out;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 #include "lte/render/combine.h"
 #include "lte/render/half_size.h"
 
@@ -19,13 +19,6 @@ constexpr float kEdgeBound = 1;
 /// Least albedo of a pixel that sends out reflected light.
 constexpr float kMinAlbedo = 1e-4f;
 
-template <typename Use>
-void for_pixels(size_t count, const Use& use) {
-  parallel_for(static_cast<int64_t>(count), kPixelsAtOnce, [&](int64_t begin, int64_t end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) use(i);
-  });
-}
-
 /// Albedo, normals, depth and emission as means over pixels, and counts.
 Frame surfaces_of(const Film& film) {
   Frame out;
@@ -33,7 +26,7 @@ Frame surfaces_of(const Film& film) {
   out.normal = film.normal;
   out.emission = film.mean(film.emission);
   out.depth = Image(film.width, film.height, 1);
-  for_pixels(film.pixels(), [&](size_t i) {
+  parallel_each(film.pixels(), kPixelsAtOnce, [&](size_t i) {
     const Vec3 sum = film.normal.rgb(i);
     const float size = length(sum);
     out.normal.set_rgb(i, size > 0 ? sum * (1 / size) : Vec3{});
@@ -57,7 +50,7 @@ DenoisingGuides guides_of(const Film& film, const Frame& frame, const image::Den
   // Open Image Denoise sees how much of a pixel a surface covers; the other filter tells surfaces
   // apart by unit normals.
   if (!denoiser.is_oidn()) out.normal = frame.normal;
-  for_pixels(film.pixels(), [&](size_t i) {
+  parallel_each(film.pixels(), kPixelsAtOnce, [&](size_t i) {
     if (film.sees_metal(i)) out.albedo.set_rgb(i, {1, 1, 1});
   });
   return out;
@@ -65,7 +58,7 @@ DenoisingGuides guides_of(const Film& film, const Frame& frame, const image::Den
 
 Image sum(const Image& a, const Image& b) {
   Image out = a;
-  for_pixels(out.pixels.size(), [&](size_t k) { out.pixels[k] += b.pixels[k]; });
+  parallel_each(out.pixels.size(), kPixelsAtOnce, [&](size_t k) { out.pixels[k] += b.pixels[k]; });
   return out;
 }
 
@@ -76,7 +69,7 @@ bool any(const Image& image) {
 /// Scales both layers so that their sum is `total`.
 void share_out(const Image& total, RadianceLayers* layers) {
   const bool indirect_alone = !any(layers->direct), direct_alone = !any(layers->indirect);
-  for_pixels(total.pixels.size(), [&](size_t k) {
+  parallel_each(total.pixels.size(), kPixelsAtOnce, [&](size_t k) {
     float &direct = layers->direct.pixels[k], &indirect = layers->indirect.pixels[k];
     const float before = direct + indirect;
     const float share = indirect_alone ? 0 : direct_alone ? 1 : before > 0 ? direct / before : 0;
@@ -120,7 +113,7 @@ void denoise_gathered(const Film& film, const PictureSettings& settings, Radianc
       denoise_at_half_size(film, light->indirect, *settings.denoiser, settings.quality);
   if (metal) {
     const Image of_metal = whole(light->indirect);
-    for_pixels(film.pixels(), [&](size_t i) {
+    parallel_each(film.pixels(), kPixelsAtOnce, [&](size_t i) {
       if (film.sees_metal(i)) indirect.set_rgb(i, of_metal.rgb(i));
     });
   }
@@ -154,7 +147,7 @@ RadianceLayers seen_light(const Film& film, const RadianceLayers& centers, const
     out.direct.set_rgb(i, direct * scale);
     out.indirect.set_rgb(i, indirect * scale);
   };
-  for_pixels(film.pixels(), [&](size_t i) {
+  parallel_each(film.pixels(), kPixelsAtOnce, [&](size_t i) {
     if (film.sees_metal(i)) return;
     const EdgePixel* const edge = film.edge(i);
     if (edge == nullptr) {
@@ -185,7 +178,7 @@ RadianceLayers gathered_light(const Film& film, const Frame& frame, const Pictur
                               Image* noisy_indirect) {
   RadianceLayers light = film.gathered.mean();
   *noisy_indirect = light.indirect;
-  for_pixels(film.pixels(), [&](size_t i) {
+  parallel_each(film.pixels(), kPixelsAtOnce, [&](size_t i) {
     if (film.sees_metal(i)) noisy_indirect->set_rgb(i, noisy_indirect->rgb(i) * kPi);
   });
   if (settings.denoiser != nullptr) denoise_gathered(film, settings, &light);
@@ -213,7 +206,7 @@ void correct_by_paths(const Film& film, const DenoisingGuides& guides,
 
 /// Camera rays and paths both see what shines.
 void add_emission_of_paths(const Film& film, Image* emission) {
-  for_pixels(film.pixels(), [&](size_t i) {
+  parallel_each(film.pixels(), kPixelsAtOnce, [&](size_t i) {
     Rgb sum = film.emission.rgb(i);
     int32_t count = film.rays[i];
     for (const LightSums& half : film.paths.halves) {
@@ -231,7 +224,7 @@ void put_light(RadianceLayers light, const PictureSettings& settings, Frame* fra
   frame->indirect = std::move(light.indirect);
   if (settings.layers) frame->direct = std::move(light.direct);
   if (settings.output == Output::Irradiance) return;
-  for_pixels(frame->indirect.pixels.size(), [&](size_t k) {
+  parallel_each(frame->indirect.pixels.size(), kPixelsAtOnce, [&](size_t k) {
     float* const direct = settings.layers ? &frame->direct.pixels[k] : nullptr;
     float& indirect = frame->indirect.pixels[k];
     if (!(indirect + (direct ? *direct : 0) > 0)) return;
@@ -253,7 +246,7 @@ Image compose(const Frame& frame, Output output) {
   if (output == Output::Full) out = frame.emission;
   const auto add = [&](const Image& irradiance) {
     if (irradiance.width == 0) return;
-    for_pixels(out.pixels.size(), [&](size_t k) {
+    parallel_each(out.pixels.size(), kPixelsAtOnce, [&](size_t k) {
       out.pixels[k] += frame.albedo.pixels[k] * irradiance.pixels[k] / kPi;
     });
   };

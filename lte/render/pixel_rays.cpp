@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/render.h"
 #include "lte/render/edges.h"
@@ -52,15 +52,6 @@ PixelRays::PixelRays(const TracedScene& scene, const scene::Camera& camera,
       film_(*film),
       pixel_size_(pathtrace::pixel_size(camera, film->height)) {}
 
-template <typename Use>
-void PixelRays::for_pixels(const Use& use) {
-  parallel_for(static_cast<int64_t>(pixels_.size()), kPixelsAtOnce,
-               [&](int64_t begin, int64_t end) {
-                 for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-                   use(i);
-               });
-}
-
 const scene::Material& PixelRays::material_of(int32_t instance) const {
   const scene::Scene& scene = scene_.bvh.scene();
   const int mesh = scene.instances[static_cast<size_t>(instance)].mesh;
@@ -78,7 +69,7 @@ Rgb PixelRays::albedo(size_t hit) const {
 void PixelRays::see() {
   const auto rays = static_cast<size_t>(rays_.count);
   std::vector<Vec2> points(pixels_.size() * rays);
-  for_pixels([&](size_t i) {
+  parallel_each(pixels_.size(), kPixelsAtOnce, [&](size_t i) {
     const auto width = static_cast<size_t>(film_.width);
     const size_t column = pixels_[i] % width, row = pixels_[i] / width;
     const auto x = static_cast<float>(column), y = static_cast<float>(row);
@@ -98,7 +89,7 @@ void PixelRays::see() {
     film_.metal.resize(film_.pixels());
     film_.default_metal.resize(film_.pixels());
   }
-  for_pixels([&](size_t i) {
+  parallel_each(pixels_.size(), kPixelsAtOnce, [&](size_t i) {
     for (size_t k = i * rays; k < (i + 1) * rays; ++k) add_hit(pixels_[i], k);
   });
 }

@@ -39,8 +39,6 @@ class PixelRays {
   struct LitHit {
     size_t hit, source;
   };
-  template <typename Use>
-  void for_pixels(const Use& use);
   /// Rays go through the pixels' centers.
   bool is_center() const { return film_.passes == 0; }
   const scene::Material& material_of(int32_t instance) const;

@@ -1,6 +1,6 @@
 #include "lte/pathtrace/reach/orientation.h"
 
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/hemisphere.h"
 #include "lte/pathtrace/reach/reach_search.h"
@@ -42,20 +42,18 @@ Vec3 regardless_of_winding(const Vec3& normal) {
 void turn_to_light(const Bvh& bvh, std::span<const uint8_t> lit, uint64_t seed,
                    scene::SurfaceSamples* samples) {
   const float half_extent = 0.5f * max_component(bvh.bounds().extent());
-  parallel_for(static_cast<int64_t>(lit.size()), kGrain, [&](int64_t begin, int64_t end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      if (max_component(samples->emission[i]) > 0) continue;
-      Vec3& normal = samples->normal[i];
-      if (lit[i] == kBackLit) normal = -normal;
-      if (lit[i] != (kFrontLit | kBackLit)) continue;
-      normal = regardless_of_winding(normal);
-      Rng rng(seed, i);
-      const bool chance = rng.uniform() < 0.5f;
-      const Vec3& position = samples->position[i];
-      const int more = enclosure(bvh, position, normal, half_extent, &rng) -
-                       enclosure(bvh, position, -normal, half_extent, &rng);
-      if (more < -kHitTolerance || (more <= kHitTolerance && chance)) normal = -normal;
-    }
+  parallel_each(lit.size(), kGrain, [&](size_t i) {
+    if (max_component(samples->emission[i]) > 0) return;
+    Vec3& normal = samples->normal[i];
+    if (lit[i] == kBackLit) normal = -normal;
+    if (lit[i] != (kFrontLit | kBackLit)) return;
+    normal = regardless_of_winding(normal);
+    Rng rng(seed, i);
+    const bool chance = rng.uniform() < 0.5f;
+    const Vec3& position = samples->position[i];
+    const int more = enclosure(bvh, position, normal, half_extent, &rng) -
+                     enclosure(bvh, position, -normal, half_extent, &rng);
+    if (more < -kHitTolerance || (more <= kHitTolerance && chance)) normal = -normal;
   });
 }
 
@@ -63,17 +61,15 @@ std::vector<size_t> lit_from_outside(const Bvh& bvh, std::span<const uint8_t> li
                                      const scene::SurfaceSamples& samples) {
   const float half_extent = 0.5f * max_component(bvh.bounds().extent());
   std::vector<uint8_t> outside(lit.size());
-  parallel_for(static_cast<int64_t>(lit.size()), kGrain, [&](int64_t begin, int64_t end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      if (lit[i] != kFrontLit && lit[i] != kBackLit) continue;
-      const Vec3 side = lit[i] == kFrontLit ? samples.normal[i] : -samples.normal[i];
-      Rng rng(seed, i);
-      const int here = enclosure(bvh, samples.position[i], side, half_extent, &rng);
-      if (here + kHitTolerance >= kColumns * kRows) continue;
-      outside[i] =
-          enclosure(bvh, samples.position[i], -side, half_extent, &rng) > here + kHitTolerance ? 1
-                                                                                               : 0;
-    }
+  parallel_each(lit.size(), kGrain, [&](size_t i) {
+    if (lit[i] != kFrontLit && lit[i] != kBackLit) return;
+    const Vec3 side = lit[i] == kFrontLit ? samples.normal[i] : -samples.normal[i];
+    Rng rng(seed, i);
+    const int here = enclosure(bvh, samples.position[i], side, half_extent, &rng);
+    if (here + kHitTolerance >= kColumns * kRows) return;
+    outside[i] =
+        enclosure(bvh, samples.position[i], -side, half_extent, &rng) > here + kHitTolerance ? 1
+                                                                                             : 0;
   });
   std::vector<size_t> numbers;
   for (size_t i = 0; i < outside.size(); ++i)
@@ -96,13 +92,11 @@ std::vector<uint8_t> shines_at_nothing(const Bvh& bvh, const scene::SurfaceSampl
   };
   std::vector<uint8_t> nothing(static_cast<size_t>(count));
   const float half_extent = 0.5f * max_component(bvh.bounds().extent());
-  parallel_for(count, kGrain, [&](int64_t begin, int64_t end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      if (!counts(i)) continue;
-      Rng rng(seed, i);
-      nothing[i] = enclosure(bvh, samples.position[i], samples.normal[i], half_extent, &rng,
-                             samples.light_group[i]) == 0;
-    }
+  parallel_each(nothing.size(), kGrain, [&](size_t i) {
+    if (!counts(i)) return;
+    Rng rng(seed, i);
+    nothing[i] = enclosure(bvh, samples.position[i], samples.normal[i], half_extent, &rng,
+                           samples.light_group[i]) == 0;
   });
   for (size_t i = 0; i < nothing.size(); ++i)
     if (counts(i) && nothing[i] == 0) shines[group_of(i)] = 1;

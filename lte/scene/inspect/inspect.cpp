@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 #include "lte/scene/inspect/buckets.h"
 #include "lte/scene/inspect/shells.h"
 #include "lte/scene/inspect/topology.h"
@@ -66,9 +66,8 @@ class Inspection {
   /// shells, but count as degenerate only if they are thin.
   void find_degenerate() {
     std::vector<uint8_t> thin(topology_.triangles.size());
-    parallel_for(static_cast<int64_t>(thin.size()), kThinGrain, [&](int64_t begin, int64_t end) {
-      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-        thin[i] = is_degenerate(scene_, topology_.triangles[i]) ? 1 : 0;
+    parallel_each(thin.size(), kThinGrain, [&](size_t i) {
+      thin[i] = is_degenerate(scene_, topology_.triangles[i]) ? 1 : 0;
     });
     for (size_t i = 0; i < thin.size(); ++i) {
       const auto& [a, b, c] = topology_.triangles[i].place;
