@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "infer/view/tone_curve.h"
+#include "infer/view/display_layers.h"
 
 namespace lte::infer::view {
 

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <utility>
 
+#include "infer/view/display_layers.h"
 #include "infer/view/picture_encoder.h"
 #include "infer/view/scratch_folder.h"
 #include "infer/view/session_scene.h"
-#include "infer/view/tone_curve.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/text.h"

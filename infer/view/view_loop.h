@@ -12,13 +12,13 @@
 #include <thread>
 
 #include "infer/view/attention_view.h"
+#include "infer/view/display_layers.h"
 #include "infer/view/editor.h"
 #include "infer/view/inbox.h"
 #include "infer/view/pages.h"
 #include "infer/view/progressive.h"
 #include "infer/view/replies.h"
 #include "infer/view/scene_description.h"
-#include "infer/view/tone_curve.h"
 #include "lte/base/timer.h"
 
 namespace lte::infer::view {

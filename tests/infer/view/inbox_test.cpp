@@ -5,7 +5,7 @@
 namespace lte::infer::view {
 namespace {
 
-MoveCamera camera_at(float x) {
+MoveCamera camera_along(float x) {
   MoveCamera move;
   move.camera.origin = {x, 0, 0};
   return move;
@@ -17,7 +17,7 @@ MakeEdit gain(int light, float value, int64_t gesture = 1) {
 
 TEST(Inbox, TheLatestCameraWins) {
   Inbox inbox;
-  for (int i = 1; i <= 100; ++i) ASSERT_TRUE(inbox.post(3, i, camera_at(static_cast<float>(i))));
+  for (int i = 1; i <= 100; ++i) ASSERT_TRUE(inbox.post(3, i, camera_along(static_cast<float>(i))));
   const Inbox::Batch batch = inbox.take(Inbox::kNoWait);
   ASSERT_EQ(batch.requests.size(), 1u);
   EXPECT_EQ(std::get<MoveCamera>(batch.requests[0].request).camera.origin.x, 100);
@@ -83,9 +83,9 @@ TEST(Inbox, NothingIsTakenPastAnUndo) {
 
 TEST(Inbox, APickKeepsTheCameraItWasMadeWith) {
   Inbox inbox;
-  inbox.post(1, 1, camera_at(1));
+  inbox.post(1, 1, camera_along(1));
   inbox.post(1, 2, PickAt{0.5f, 0.5f});
-  inbox.post(1, 3, camera_at(2));
+  inbox.post(1, 3, camera_along(2));
   EXPECT_EQ(inbox.take(Inbox::kNoWait).requests.size(), 3u);
 }
 

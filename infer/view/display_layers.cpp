@@ -1,4 +1,4 @@
-#include "infer/view/tone_curve.h"
+#include "infer/view/display_layers.h"
 
 #include <algorithm>
 #include <cmath>
