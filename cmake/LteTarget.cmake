@@ -43,6 +43,8 @@ endfunction()
 # first line. Sources with options, definitions or precompiled headers of their own stay alone, so
 # it comes after those are set. Names in unnamed namespaces differ within a folder.
 function(lte_unite_folders target most)
+  set(sources)  # the caller may have a list of this name
+  set(folders)
   get_target_property(all ${target} SOURCES)
   list(FILTER all INCLUDE REGEX "^[^/$].*\\.cpp$")
   foreach(file IN LISTS all)
