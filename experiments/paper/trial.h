@@ -2,6 +2,7 @@
 // and training, and the report that they write.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>

@@ -82,11 +82,13 @@ class Run:
 
     def finish(self, label, words, known):
         self.done[label] = known
-        shown = [pathlib.Path(words[0]).name if words[0].startswith(str(self.bin)) else words[0],
-                 *words[1:]]
+        program = {sys.executable: "python3"}.get(words[0], words[0])
+        if program.startswith(str(self.bin)):
+            program = pathlib.Path(program).name
+        shown = [program, *words[1:]]
         if "--json" in shown:
             at = shown.index("--json")
-            del shown[at - 1:at + 2]  # with --quiet before it
+            del shown[at - (shown[at - 1] == "--quiet"):at + 2]
         self.commands.append(shlex.join(shown))
 
     def seconds(self, label):

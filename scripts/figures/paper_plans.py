@@ -1,5 +1,5 @@
-"""The row of figure 7: homes seen from within, by the network and by paths, and how far from a
-reference by SSIM, FLIP and LPIPS."""
+"""The row of figure 7: homes seen from within, by the network as lte_render shows it and by paths,
+and how far from a reference by SSIM, FLIP and LPIPS."""
 import json
 import sys
 
@@ -7,7 +7,7 @@ from paper_eval import homes
 from paper_words import digits, mean_of
 
 METHODS = (("network", ("--integrator", "network", "--checkpoint",
-                        "assets/models/lte-base.safetensors", "--set", "denoise=off")),
+                        "assets/models/lte-base.safetensors")),
            ("64 paths", ("--integrator", "path", "--spp", 64, "--set", "denoise=off")),
            ("64 paths, denoised", ("--integrator", "path", "--spp", 64)))
 
