@@ -31,12 +31,12 @@ TEST(IncidentSampler, SamplesAverageToTheCells) {
   const Bvh bvh(scene);
   const Lights lights(scene);
   const Vec3 position{2, 0, 1.5f}, normal{0, 1, 0};
-  constexpr int kBins = 4;
+  constexpr int kCells = 4;
   const IncidentRadiance r = estimate_incident(bvh, lights, {&position, 1}, {&normal, 1},
-                                               {.bins = kBins, .samples = 4096, .seed = 3});
+                                               {.bins = kCells, .samples = 4096, .seed = 3});
   IncidentSampler sampler(bvh, lights);
   Rng rng(5);
-  std::vector<double> sum(kBins * kBins), squares(kBins * kBins), count(kBins * kBins);
+  std::vector<double> sum(kCells * kCells), squares(kCells * kCells), count(kCells * kCells);
   const Vec3 tangent = bin_tangent(normal), bitangent = cross(normal, tangent);
   for (int call = 0; call < 60; ++call) {
     const IncidentSamples& s = sampler.draw(position, normal, 1000, rng);
@@ -44,8 +44,8 @@ TEST(IncidentSampler, SamplesAverageToTheCells) {
       ASSERT_NEAR(s.pdf[i], dot(s.direction[i], normal) / kPi, 1e-6);
       const Vec2 place = bin_place({dot(s.direction[i], tangent), dot(s.direction[i], bitangent),
                                     dot(s.direction[i], normal)});
-      const size_t cell = static_cast<size_t>(std::min(3.0f, place.y * kBins)) * kBins +
-                          static_cast<size_t>(std::min(3.0f, place.x * kBins));
+      const size_t cell = static_cast<size_t>(std::min(3.0f, place.y * kCells)) * kCells +
+                          static_cast<size_t>(std::min(3.0f, place.x * kCells));
       const double value = s.direct[i].x + s.indirect[i].x;  // of the first group
       sum[cell] += value;
       squares[cell] += value * value;
