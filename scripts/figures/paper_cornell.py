@@ -112,5 +112,5 @@ def line(rows):
                      f"{row['peak_rss_mb']:.0f}" for row in rows)
     theirs = "; ".join(f"{row['triangles']:,} {digits(row['rf_cpu'], 2)}, {row['rf_mb']:.0f}"
                        for row in rows if "rf_cpu" in row)
-    return (f"network, by triangles: relative MSE, CPU s, MB {ours}. RenderFormer's shape, as its "
-            f"weights are not at hand: CPU s, MB {theirs}")
+    return (f"network, by triangles: relative MSE, CPU s, MB {ours}. RenderFormer's shape, without "
+            f"weights: CPU s, MB {theirs}")

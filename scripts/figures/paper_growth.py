@@ -95,4 +95,5 @@ def line(rows):
         values = [row["value"] for row in rows if row["kind"] == kind]
         parts.append(f"{kind} {min(values):,} to {max(values):,}: exponent {digits(slope, 2)} ± "
                      f"{digits(half, 2)}")
-    return "MSE by " + "; ".join(parts)
+    left = [kind for kind in PAPERS if kind not in kinds_of(rows)]
+    return "MSE by " + "; ".join(parts) + (f"; by {' and '.join(left)} not run" if left else "")

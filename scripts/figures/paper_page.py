@@ -60,7 +60,7 @@ the paper](images/paper_growth.svg)
 
 AFTER = {"table1": """
 The rivals learnt for 45 to 90 s: their rows say that the code learns, not what the methods reach.
-As in the paper, Deep Shading is far better on views that it knows by heart.
+As in the paper, Deep Shading is far better by heart.
 """}  # shown in full, and what follows
 
 
