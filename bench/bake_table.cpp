@@ -90,7 +90,9 @@ Row product(Measured* m, const std::string& name, int passes, int path_passes, u
   options.passes = passes;
   options.path_passes = path_passes;
   options.seed = seed;
-  options.back = &m->sides.back;  // where both are lit, chance says which is brighter
+  // Where both sides are lit, chance says which is brighter.
+  const bake::Sides sides{m->sides.back, 0};
+  options.sides = &sides;
   std::vector<bake::BakedLayer> layers;
   layers.push_back({"light", bake::light_texels(m->traced(), *integrator, m->layout.atlas,
                                                 m->layout.texels, options)});

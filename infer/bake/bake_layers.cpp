@@ -156,13 +156,8 @@ std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
     out.push_back({"light", bake_layer(traced, *integrator, options)});
   } else {
     // Sides by all light, so that layers are of the same.
-    bake::LightOptions sides = options;
-    sides.passes = 2;
-    sides.path_passes = 0;
-    sides.progress = {};
-    const bake::TexelLight all =
-        bake::light_texels(traced, *integrator, layout.atlas, layout.texels, sides);
-    options.back = &all.back;
+    const bake::Sides sides = bake::find_sides(*integrator, layout.atlas, layout.texels, options);
+    options.sides = &sides;
     const auto trees = pathtrace::Bvh::with_own_meshes(scene);
     const auto groups = static_cast<int>(scene.light_groups.size());
     for (int group = 0; group < groups; ++group) {
@@ -176,7 +171,6 @@ std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
       options.seconds = (time - timer.seconds()) / (groups - group);
       out.push_back({scene.light_groups[static_cast<size_t>(group)],
                      bake_layer({bvh, lights}, *by, options)});
-      out.back().light.two_sided = all.two_sided;
     }
   }
   if (!request.shard.empty()) out.clear();

@@ -125,6 +125,11 @@ class Bake {
     return timer_.seconds() + 2 * last_pass_s_ + smoothing <= options_.seconds;
   }
 
+  void take(Sides sides) {
+    state_.back = std::move(sides.back);
+    state_.two_sided = sides.two_sided;
+  }
+
   /// Two passes, and what they say of sides and of darkness.
   void start() {
     state_.samples = TexelSamples(texels_.size(), options_.direct);
@@ -132,10 +137,13 @@ class Bake {
     state_.dark.resize(texels_.size());
     state_.back.resize(static_cast<size_t>(atlas_.charts));
     lit_ = lit_texels(state_);
-    if (options_.back != nullptr) state_.back = *options_.back;
+    if (options_.sides != nullptr) take(*options_.sides);
     state_.rate.assign(texels_.size(), kFullRate);
     for (int k = 0; k < 2; ++k) pass(sampler_, integrator_, kRays, k, {}, &state_.samples);
-    if (options_.back == nullptr) choose_sides(sampler_, integrator_, atlas_, texels_, &state_);
+    if (options_.sides == nullptr) {
+      take(choose_sides(sampler_, integrator_, atlas_, texels_, lit_, state_.samples));
+      sample_turned(sampler_, integrator_, texels_, state_.back, &state_.samples);
+    }
     done();
     find_darkness(scene_.bvh, atlas_, texels_, turned_normals(texels_, state_.back), options_,
                   &state_);
@@ -214,6 +222,17 @@ std::vector<Rgb> trace_texels(const render::TracedScene& scene, const Atlas& atl
     out.push_back((samples.indirect[0][i] + samples.indirect[1][i]) /
                   static_cast<float>(options.passes));
   return out;
+}
+
+Sides find_sides(const render::Integrator& integrator, const Atlas& atlas, const Texels& texels,
+                 const LightOptions& options) {
+  const TexelSampler sampler(atlas, texels, options);
+  const std::vector<uint32_t> which = deciding_texels(texels, atlas.charts);
+  const std::vector<uint8_t> front(static_cast<size_t>(atlas.charts));
+  TexelSamples samples(texels.size(), options.direct);
+  for (int k = 0; k < 2; ++k)
+    sampler.pass(integrator, which, front, sampler.sampling(kRays), k, &samples);
+  return choose_sides(sampler, integrator, atlas, texels, which, samples);
 }
 
 LightState sample_texels(const render::TracedScene& scene, const render::Integrator& integrator,

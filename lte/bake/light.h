@@ -47,6 +47,12 @@ struct LightState {
   TexelSamples samples, paths;
 };
 
+/// Which side of each chart is baked.
+struct Sides {
+  std::vector<uint8_t> back;  ///< [charts] 1: light of the back
+  int64_t two_sided = 0;      ///< texels lit on both sides, of which the brighter was taken
+};
+
 /// What samples are drawn. Passes alternate between two halves.
 struct LightOptions {
   bool direct = false;    ///< beside indirect light
@@ -58,8 +64,7 @@ struct LightOptions {
   double seconds = INFINITY;  ///< passes after the first two end by then, and so does what follows
   double error = 0;           ///< passes end at this relative_error() of indirect light; 0: none
   uint64_t seed = 0;
-  /// [charts] the sides to bake, TexelLight::back of another bake; null: those that light reaches.
-  const std::vector<uint8_t>* back = nullptr;
+  const Sides* sides = nullptr;  ///< those to bake, as of all light; null: those that light reaches
   std::function<void(double share)> progress;  ///< of the work, [0, 1]; may be empty
   /// All texels have the first two passes, which tell sides and darkness; later ones are the
   /// shard's. With `seconds` or `error` there is one.
@@ -78,6 +83,10 @@ struct TexelLight {
   double passes = 0;            ///< by the integrator, mean over lit texels
   double paths = 0;             ///< a texel, traced to its end; mean
 };
+
+/// The sides that light reaches, without a bake. The integrator has been prepared.
+Sides find_sides(const render::Integrator& integrator, const Atlas& atlas, const Texels& texels,
+                 const LightOptions& options);
 
 /// All passes of a shard. The integrator has been prepared.
 /// @throws lte::Error if an option is out of range

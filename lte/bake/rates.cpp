@@ -6,8 +6,8 @@
 namespace lte::bake {
 namespace {
 
-/// Rounds of neighbours that noise is averaged over, and the texels that the mean of all counts
-/// for beside them.
+/// Rounds of neighbours that light and noise are averaged over, and the texels that the mean of all
+/// counts for beside them.
 constexpr int kNoiseRounds = 4;
 constexpr double kPrior = 4;
 /// Of the mean light: what is darker counts like that, as where errors are compared.
@@ -20,21 +20,22 @@ constexpr double kMost = 4, kLeast = 1.0 / 8;
 std::vector<uint8_t> sampling_rates(const TexelGraph& graph, const Halves& samples,
                                     const std::vector<uint8_t>& skipped) {
   const size_t count = graph.size();
-  const Halves smoothed = smooth(graph, samples);
-  std::vector<double> light(count), error(count);
-  std::vector<float> square(count);
+  std::vector<float> found(count), square(count);
+  for (size_t i = 0; i < count; ++i) found[i] = luminance(samples[0][i] + samples[1][i]) / 2;
+  const std::vector<float> light = graph.spread(std::move(found), kNoiseRounds);
+  std::vector<double> error(count);
   double mean = 0, used = 0;
   for (size_t i = 0; i < count; ++i) {
     if (skipped[i] != 0) continue;
-    light[i] = double{luminance(smoothed[0][i] + smoothed[1][i])} / 2;
-    mean += light[i];
+    mean += double{light[i]};
     ++used;
   }
   if (!(mean > 0)) return std::vector<uint8_t>(count, kFullRate);
   const double dark = kDark * mean / used;
   double prior = 0;
   for (size_t i = 0; i < count; ++i) {
-    const double half = double{luminance(samples[0][i] - samples[1][i])} / 2 / (light[i] + dark);
+    const double half =
+        double{luminance(samples[0][i] - samples[1][i])} / 2 / (double{light[i]} + dark);
     square[i] = static_cast<float>(half * half);
     prior += skipped[i] != 0 ? 0 : half * half / used;
   }

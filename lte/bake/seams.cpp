@@ -13,10 +13,10 @@ namespace {
 constexpr float kSmoothEdge = 0.9f;
 /// Weights of least squares: of a seam, of a lit texel's own value, of a filled one's.
 constexpr double kSeam = 5000, kOwn = 1, kFilledOwn = 0.1;
-constexpr int kIterations = 200, kRounds = 6;
+constexpr int kIterations = 60, kRounds = 3;
 /// Solutions, each with the strengths that the light of the one before says.
 constexpr int kReweighings = 3;
-constexpr double kPrecision = 1e-7;
+constexpr double kPrecision = 1e-5;
 /// Of the mean light along seams: differences of darker places count relative to that.
 constexpr double kUnseen = 0.01;
 

@@ -15,8 +15,8 @@ constexpr double kLitShare = 0.02;
 constexpr int64_t kDeciding = 64;
 /// Of the mean light: what is darker is looked at again, by paths that end where light is.
 constexpr float kDim = 0.01f;
-/// Places of a texel that are looked at, until light reaches one.
-constexpr int kReachPlaces = 4;
+/// Places that are looked at of a texel beside lit ones.
+constexpr uint64_t kReachPlaces = 4;
 constexpr uint64_t kBackRays = 83, kReachPaths = 85, kTurnedRays = 86;
 
 /// What a side of each chart has shown of light.
@@ -80,41 +80,73 @@ struct DimPatches {
   }
 };
 
+/// Dark texels that touch others of their chart.
+std::vector<size_t> dark_beside_lit(const Atlas& atlas, const Texels& texels,
+                                    const std::vector<uint8_t>& dark) {
+  const auto width = static_cast<uint32_t>(atlas.width);
+  std::vector<int32_t> lit(size_t{width} * static_cast<size_t>(atlas.height), scene::kNone);
+  for (size_t i = 0; i < texels.size(); ++i)
+    if (dark[i] == 0) lit[texels.pixel[i]] = texels.chart[i];
+  std::vector<size_t> out;
+  for (size_t i = 0; i < texels.size(); ++i) {
+    const uint32_t pixel = texels.pixel[i];
+    const auto beside = [&](uint32_t other) {
+      return other < lit.size() && lit[other] == texels.chart[i];
+    };
+    const bool touches =
+        beside(pixel - 1) || beside(pixel + 1) || beside(pixel - width) || beside(pixel + width);
+    if (dark[i] != 0 && touches) out.push_back(i);
+  }
+  return out;
+}
+
 }  // namespace
 
-void choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
-                  const Atlas& atlas, const Texels& texels, LightState* state) {
-  TexelSamples* const samples = &state->samples;
-  std::vector<uint32_t> all(texels.size());
-  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<uint32_t>(i);
-  const ChartLight front(texels, *samples, all, atlas.charts);
+std::vector<uint32_t> deciding_texels(const Texels& texels, int32_t charts) {
+  std::vector<int64_t> count(static_cast<size_t>(charts));
+  for (const int32_t chart : texels.chart) ++count[static_cast<size_t>(chart)];
+  std::vector<uint32_t> out;
+  for (uint32_t i = 0; i < texels.size(); ++i)
+    if (i % (1 + count[static_cast<size_t>(texels.chart[i])] / kDeciding) == 0) out.push_back(i);
+  return out;
+}
+
+Sides choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
+                   const Atlas& atlas, const Texels& texels, std::span<const uint32_t> which,
+                   const TexelSamples& samples) {
+  const ChartLight front(texels, samples, which, atlas.charts);
   std::vector<uint8_t> two_sided(static_cast<size_t>(atlas.charts));
-  for (size_t i = 0; i < texels.size(); ++i)
-    two_sided[static_cast<size_t>(texels.chart[i])] |= double_sided(atlas, texels, i) ? 1 : 0;
-  const auto is_asked = [&](size_t chart) {
-    return two_sided[chart] != 0 || !front.reached(chart);
-  };
-  std::vector<uint32_t> asked;
-  for (const uint32_t i : all) {
+  std::vector<int64_t> size(two_sided.size());
+  for (size_t i = 0; i < texels.size(); ++i) {
     const auto chart = static_cast<size_t>(texels.chart[i]);
-    const int64_t step = 1 + front.texels[chart] / kDeciding;
-    if (is_asked(chart) && i % step == 0) asked.push_back(i);
+    two_sided[chart] |= double_sided(atlas, texels, i) ? 1 : 0;
+    ++size[chart];
   }
-  TexelSamples behind(texels.size(), !samples->direct[0].empty());
-  const std::vector<uint8_t> back(static_cast<size_t>(atlas.charts), 1);
+  std::vector<uint32_t> asked = deciding_texels(texels, atlas.charts);
+  std::erase_if(asked, [&](uint32_t i) {
+    const auto chart = static_cast<size_t>(texels.chart[i]);
+    return two_sided[chart] == 0 && front.reached(chart);
+  });
+  TexelSamples behind(texels.size(), !samples.direct[0].empty());
+  Sides out{std::vector<uint8_t>(static_cast<size_t>(atlas.charts), 1), 0};
   for (int k = 0; k < 2; ++k)
-    sampler.pass(integrator, asked, back, sampler.sampling(kBackRays), k, &behind);
-  const ChartLight ahead(texels, *samples, asked, atlas.charts);
+    sampler.pass(integrator, asked, out.back, sampler.sampling(kBackRays), k, &behind);
+  const ChartLight ahead(texels, samples, asked, atlas.charts);
   const ChartLight rear(texels, behind, asked, atlas.charts);
-  for (size_t chart = 0; chart < back.size(); ++chart) {
+  for (size_t chart = 0; chart < out.back.size(); ++chart) {
     const bool both = front.reached(chart) && rear.reached(chart);
-    if (both) state->two_sided += front.texels[chart];
-    state->back[chart] =
+    if (both) out.two_sided += size[chart];
+    out.back[chart] =
         rear.reached(chart) && (!both || rear.light[chart] > ahead.light[chart]) ? 1 : 0;
   }
+  return out;
+}
+
+void sample_turned(const TexelSampler& sampler, const render::Integrator& integrator,
+                   const Texels& texels, const std::vector<uint8_t>& back, TexelSamples* samples) {
   std::vector<uint32_t> turned;
-  for (const uint32_t i : all) {
-    if (state->back[static_cast<size_t>(texels.chart[i])] == 0) continue;
+  for (uint32_t i = 0; i < texels.size(); ++i) {
+    if (back[static_cast<size_t>(texels.chart[i])] == 0) continue;
     turned.push_back(i);
     for (size_t h = 0; h < 2; ++h) {
       samples->indirect[h][i] = {};
@@ -132,34 +164,23 @@ void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& 
   pathtrace::ReachOptions reach;
   reach.max_depth = options.max_depth;
   reach.seed = hash_combine(options.seed, kReachPaths);
-  const auto reached = [&](const std::vector<size_t>& which) {
-    std::vector<uint8_t> found(which.size());
-    // Not the middle, which often lies in the very plane of a wall, where both sides see it; and
-    // more than one, as things cover parts of texels.
-    for (int place = 0; place < kReachPlaces; ++place) {
-      std::vector<size_t> left;
-      std::vector<Vec3> position, normal;
-      for (size_t k = 0; k < which.size(); ++k) {
-        if (found[k] != 0) continue;
-        const size_t i = which[k];
-        Rng rng(hash_combine(reach.seed, static_cast<uint64_t>(place)), texels.pixel[i]);
-        left.push_back(k);
-        position.push_back(
-            place_in(atlas, texels, i, {rng.uniform(), rng.uniform(), rng.uniform()}).position);
-        normal.push_back(normals[i]);
-      }
-      const std::vector<uint8_t> here =
-          pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
-      for (size_t k = 0; k < left.size(); ++k) found[left[k]] = here[k];
+  // Not the middle, which often lies in the very plane of a wall, where both sides see it.
+  const auto reached = [&](const std::vector<size_t>& which, uint64_t place) {
+    std::vector<Vec3> position, normal;
+    for (const size_t i : which) {
+      Rng rng(hash_combine(reach.seed, place), texels.pixel[i]);
+      position.push_back(
+          place_in(atlas, texels, i, {rng.uniform(), rng.uniform(), rng.uniform()}).position);
+      normal.push_back(normals[i]);
     }
-    return found;
+    return pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
   };
   const DimPatches dim(atlas, texels, state->samples);
   std::vector<size_t> first, rest;
   for (const std::vector<size_t>& patch : dim.patch)
     for (size_t k = 0; k < patch.size(); k += 1 + patch.size() / size_t{kDeciding})
       first.push_back(patch[k]);
-  const std::vector<uint8_t> kept = reached(first);
+  const std::vector<uint8_t> kept = reached(first, 0);
   size_t at = 0;
   for (const std::vector<size_t>& patch : dim.patch) {
     const size_t step = 1 + patch.size() / size_t{kDeciding};
@@ -174,8 +195,15 @@ void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& 
       if (any) rest.push_back(patch[k]);
     }
   }
-  const std::vector<uint8_t> also = reached(rest);
+  const std::vector<uint8_t> also = reached(rest, 0);
   for (size_t k = 0; k < rest.size(); ++k) state->dark[rest[k]] = also[k] == 0 ? 1 : 0;
+  // Things cover parts of the texels at their edges.
+  const std::vector<size_t> border = dark_beside_lit(atlas, texels, state->dark);
+  for (uint64_t place = 1; place < kReachPlaces; ++place) {
+    const std::vector<uint8_t> here = reached(border, place);
+    for (size_t k = 0; k < border.size(); ++k)
+      if (here[k] != 0) state->dark[border[k]] = 0;
+  }
 }
 
 }  // namespace lte::bake

@@ -9,11 +9,18 @@
 
 namespace lte::bake {
 
-/// Turns charts to their back where light reaches only that, or that of a two-sided one is the
-/// brighter: their samples become those of the back.
-/// @param state  has two passes of the front as its samples; gets `back` and `two_sided`
-void choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
-                  const Atlas& atlas, const Texels& texels, LightState* state);
+/// Texels that decide the side of their chart: some of each.
+std::vector<uint32_t> deciding_texels(const Texels& texels, int32_t charts);
+
+/// The side of each chart that light reaches; the brighter one of two-sided charts lit on both.
+/// @param which    texels that `samples` has two passes of the front for: the deciding ones at least
+Sides choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
+                   const Atlas& atlas, const Texels& texels, std::span<const uint32_t> which,
+                   const TexelSamples& samples);
+
+/// Puts two passes of the back in the place of those of the front, where charts are turned.
+void sample_turned(const TexelSampler& sampler, const render::Integrator& integrator,
+                   const Texels& texels, const std::vector<uint8_t>& back, TexelSamples* samples);
 
 /// Marks texels that light does not reach: those that have found little, by paths. Where none of
 /// some texels of a patch is reached, no texel of it is.
