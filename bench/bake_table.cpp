@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/begin_command.h"
-#include "infer/bake/bake_command.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/tool_options.h"
 #include "lte/bake/bake.h"
@@ -82,7 +81,7 @@ Row measure(const Measured& m, const std::string& name, double seconds,
 Row product(Measured* m, const std::string& name, int passes, int path_passes, uint64_t seed) {
   const Timer timer;
   render::CacheSettings cache;
-  cache.records = infer::BakeRequest().records;
+  cache.records = bake::kRecords;
   cache.seed = seed;
   const auto integrator = render::make_gather(m->traced(), cache);
   integrator->prepare();

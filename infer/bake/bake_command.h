@@ -6,13 +6,13 @@
 
 #include "infer/renderer/light_request.h"
 #include "lte/bake/atlas.h"
+#include "lte/bake/light.h"
 
 namespace lte::infer {
 
-/// The command line as it stands. Texels see into narrower gaps than pixels do, so there are more
-/// records.
+/// The command line as it stands.
 struct BakeRequest : LightRequest {
-  BakeRequest() { records *= 4; }
+  BakeRequest() { records = bake::kRecords; }
 
   std::string out;
   std::string quality = "preview", include = "full", format = "gltf";

@@ -53,6 +53,10 @@ struct Sides {
   int64_t two_sided = 0;      ///< texels lit on both sides, of which the brighter was taken
 };
 
+/// Of the irradiance cache (render::CacheSettings::records): texels see into narrower gaps than
+/// pixels do, so there are more.
+inline constexpr int64_t kRecords = 4 * render::CacheSettings{}.records;
+
 /// What samples are drawn. Passes alternate between two halves.
 struct LightOptions {
   bool direct = false;    ///< beside indirect light
