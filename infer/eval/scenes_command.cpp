@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 3> kShippedModels = {"models/lte-base.safetensors", kDefaultModel,
+constexpr std::array<const char*, 2> kShippedModels = {kDefaultModel,
                                                        "models/lte-large.safetensors"};
 /// SSIM's window.
 constexpr int kMinSide = 11;
