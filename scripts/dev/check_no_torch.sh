@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Fails where a build without LibTorch answers otherwise than one with it, by a bit: every shipped
-# model, at three numbers of scene points, and a model's own precision. Builds the program lte as
-# packages have it, and takes the other one from a build that is there.
+# model, at three numbers of scene points, and in bfloat16. Builds the program lte as packages have
+# it, and takes the other one from a build that is there. Passes the tests of tensors and embeddings
+# without LibTorch, too.
 #
 # usage: scripts/dev/check_no_torch.sh [BUILD]     build by default
 set -euo pipefail
@@ -16,6 +17,11 @@ if ldd "$own" | grep -E 'torch|c10'; then
   echo "check_no_torch: $own needs LibTorch" >&2
   exit 1
 fi
+cmake --preset no-torch >/dev/null
+cmake --build --preset no-torch --target lte_tensor_test lte_runtime_test >/dev/null
+for test in tensor runtime; do
+  "build-no-torch/bin/lte_${test}_test" --gtest_brief=1
+done
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 points="$folder/points.csv"

@@ -1,7 +1,12 @@
 #include "tests/nn/support.h"
 
+#include <cmath>
+#include <cstring>
+
 #include <gtest/gtest.h>
-#include <torch/csrc/autograd/autograd.h>
+
+#include "lte/base/random.h"
+#include "lte/tensor/functions.h"
 
 namespace lte::test {
 namespace {
@@ -18,44 +23,62 @@ const ::testing::Environment* const kOneThread =
 
 namespace {
 
-void random_surface(int64_t rows, uint64_t seed, at::Tensor* position, at::Tensor* normal,
+/// @param row  writes the numbers of one, `width` of them
+at::Tensor rows_of(int64_t rows, int64_t width, const std::function<void(int64_t, float*)>& row) {
+  std::vector<float> numbers(static_cast<size_t>(rows * width));
+  for (int64_t i = 0; i < rows; ++i) row(i, numbers.data() + i * width);
+  return at::from_blob(numbers.data(), {rows, width}, at::kFloat).clone();
+}
+
+void random_surface(int64_t rows, Rng* rng, at::Tensor* position, at::Tensor* normal,
                     at::Tensor* albedo) {
-  torch::manual_seed(seed);
-  const at::Tensor size = torch::tensor({64, 48, 80});  // sixteenths of a metre
-  *position = (torch::rand({rows, 3}) * size).round();
-  *normal = torch::zeros({rows, 3});
-  const at::Tensor axis = torch::randint(3, {rows}), far = torch::randint(2, {rows});
-  for (int64_t i = 0; i < rows; ++i) {
-    const int64_t a = axis[i].item<int64_t>();
-    const bool high = far[i].item<int64_t>() == 1;
-    position->index_put_({i, a}, high ? size[a].item<double>() : 0.0);
-    normal->index_put_({i, a}, high ? -1.0 : 1.0);
-  }
-  position->div_(16);
-  *albedo = torch::rand({rows, 3});
+  constexpr float kSize[] = {64, 48, 80};  // sixteenths of a metre
+  std::vector<float> normals(static_cast<size_t>(3 * rows), 0);
+  *position = rows_of(rows, 3, [&](int64_t i, float* at) {
+    for (int c = 0; c < 3; ++c) at[c] = std::round(rng->uniform() * kSize[c]) / 16;
+    const uint64_t axis = rng->below(3);
+    const bool high = rng->below(2) == 1;
+    at[axis] = high ? kSize[axis] / 16 : 0;
+    normals[static_cast<size_t>(3 * i) + axis] = high ? -1 : 1;
+  });
+  *normal = at::from_blob(normals.data(), {rows, 3}, at::kFloat).clone();
+  *albedo = rows_of(rows, 3, [&](int64_t, float* color) {
+    for (int c = 0; c < 3; ++c) color[c] = rng->uniform();
+  });
 }
 
 }  // namespace
 
 nn::PointSet box_scene(int64_t M, uint64_t seed) {
   nn::PointSet points;
-  random_surface(M, seed, &points.position, &points.normal, &points.albedo);
-  const at::Tensor lit = torch::arange(M).remainder(10).eq(0).unsqueeze(1);
-  points.emission = torch::where(lit, 5 + 10 * torch::rand({M, 3}), torch::zeros({M, 3}));
-  points.area = 0.01 + torch::rand({M}) * 0.01;
-  points.direct = torch::where(lit, torch::zeros({M, 3}), 8 * torch::rand({M, 3}));
-  points.indirect = torch::where(lit, torch::zeros({M, 3}), 3 * torch::rand({M, 3}));
+  Rng rng(seed);
+  random_surface(M, &rng, &points.position, &points.normal, &points.albedo);
+  // Of points that shine, or of the others.
+  const auto light = [&](bool shines, float low, float high) {
+    return rows_of(M, 3, [&](int64_t i, float* value) {
+      for (int c = 0; c < 3; ++c) value[c] = (i % 10 == 0) == shines ? rng.uniform(low, high) : 0;
+    });
+  };
+  points.emission = light(true, 5, 15);
+  points.area =
+      rows_of(M, 1, [&](int64_t, float* area) { *area = rng.uniform(0.01f, 0.02f); }).view({M});
+  points.direct = light(false, 0, 8);
+  points.indirect = light(false, 0, 3);
   // Every third point is on a sheet; the others are on closed bodies.
-  const at::Tensor share = torch::arange(M).remainder(3).eq(0).unsqueeze(1).to(at::kFloat) * 0.375;
+  const at::Tensor share =
+      rows_of(M, 1, [](int64_t i, float* of) { *of = i % 3 == 0 ? 0.375f : 0; });
   points.direct_back = points.direct * share;
   points.indirect_back = points.indirect * share;
-  points.indirect_error = torch::arange(2 * M).remainder(7).to(at::kFloat).view({M, 2}).div(8);
+  points.indirect_error = rows_of(M, 2, [](int64_t i, float* error) {
+    for (int64_t k = 0; k < 2; ++k) error[k] = static_cast<float>((2 * i + k) % 7) / 8;
+  });
   return points;
 }
 
 nn::QuerySet box_queries(int64_t Q, uint64_t seed) {
   nn::QuerySet queries;
-  random_surface(Q, seed, &queries.position, &queries.normal, &queries.albedo);
+  Rng rng(seed);
+  random_surface(Q, &rng, &queries.position, &queries.normal, &queries.albedo);
   return queries;
 }
 
@@ -74,29 +97,15 @@ nn::QuerySet as_double(nn::QuerySet queries) {
 }
 
 double relative_difference(const at::Tensor& a, const at::Tensor& b) {
+  const auto norm = [](const at::Tensor& t) { return std::sqrt((t * t).sum().item<double>()); };
   const at::Tensor reference = b.to(at::kDouble);
-  return ((a.to(at::kDouble) - reference).norm() / (reference.norm() + 1e-30)).item<double>();
+  return norm(a.to(at::kDouble) - reference) / (norm(reference) + 1e-30);
 }
 
-void expect_gradients_match(const std::function<at::Tensor()>& f,
-                            const std::vector<at::Tensor>& inputs, double tolerance) {
-  constexpr double kStep = 1e-6;
-  const auto gradients = torch::autograd::grad({f()}, inputs);
-  const at::NoGradGuard no_grad;
-  for (size_t i = 0; i < inputs.size(); ++i) {
-    at::Tensor x = inputs[i];
-    const at::Tensor direction = torch::randn_like(x);
-    x.add_(direction, kStep);
-    const double above = f().item<double>();
-    x.sub_(direction, 2 * kStep);
-    const double below = f().item<double>();
-    x.add_(direction, kStep);
-    const double numeric = (above - below) / (2 * kStep);
-    const double analytic = (gradients[i] * direction).sum().item<double>();
-    const double scale = 1 + std::abs(numeric);
-    EXPECT_NEAR(analytic, numeric, tolerance * scale) << "input " << i << " of shape " << x.sizes();
-    EXPECT_NE(analytic, 0) << "input " << i << " of shape " << x.sizes() << " has no influence";
-  }
+bool same(const at::Tensor& a, const at::Tensor& b) {
+  return a.scalar_type() == b.scalar_type() && a.sizes() == b.sizes() &&
+         std::memcmp(a.contiguous().const_data_ptr(), b.contiguous().const_data_ptr(),
+                     a.nbytes()) == 0;
 }
 
 void expect_error(const std::function<void()>& body, const std::vector<std::string>& parts) {

@@ -24,6 +24,9 @@ void randomize(torch::nn::Module& module, uint64_t seed);
 /// |a − b| / |b| in the Euclidean norm.
 double relative_difference(const at::Tensor& a, const at::Tensor& b);
 
+/// The same numbers, bit for bit.
+bool same(const at::Tensor& a, const at::Tensor& b);
+
 /// Compares the derivative of `f` along one random direction in each of `inputs` (double, requiring
 /// gradients) with a central difference.
 void expect_gradients_match(const std::function<at::Tensor()>& f,

@@ -35,8 +35,8 @@ class EmbeddingFile : public testing::Test {
     if (!config.reads_light()) return set;
     set.direct = set.emission * 0.1 + set.albedo;
     set.indirect = set.albedo * 0.5 + 0.1;
-    set.direct_back = 0.25 * set.direct;
-    set.indirect_back = 0.5 * set.indirect;
+    set.direct_back = set.direct * 0.25;
+    set.indirect_back = set.indirect * 0.5;
     return set;
   }
   std::string load_error(const Network& network, const EmbeddingKey& key) {
@@ -61,10 +61,10 @@ TEST_F(EmbeddingFile, GivesTheSameAnswersBitForBit) {
       save_embedding(file(), made, {{"scene", "box"}});
       const SceneEmbedding read = load_embedding(file(), net, {{"scene", "box"}});
       EXPECT_TRUE(
-          at::equal(TorchParts::decode(made, queries, {}), TorchParts::decode(read, queries, {})));
+          test::same(TorchParts::decode(made, queries, {}), TorchParts::decode(read, queries, {})));
       if (config.predicts_radiance()) {
         const at::Tensor up = queries.normal.unsqueeze(1);
-        EXPECT_TRUE(at::equal(
+        EXPECT_TRUE(test::same(
             TorchParts::model(net)->decode_radiance(TorchParts::embedding(made), queries, up, {}),
             TorchParts::model(net)->decode_radiance(TorchParts::embedding(read), queries, up, {})));
       }
@@ -86,7 +86,7 @@ TEST_F(EmbeddingFile, AGainIsNoPartOfIt) {
   made.set_emission_gain({2, 3, 4});
   save_embedding(file(), made, {});
   const SceneEmbedding read = load_embedding(file(), net, {});
-  EXPECT_TRUE(at::equal(TorchParts::decode(read, queries, {}), before));
+  EXPECT_TRUE(test::same(TorchParts::decode(read, queries, {}), before));
 }
 
 TEST_F(EmbeddingFile, WhatDiffersIsNamed) {

@@ -1,8 +1,11 @@
 // One network and its embeddings, from arrays and from tensors.
 #include "lte/runtime/embedding.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
+#include <random>
 #include <span>
 #include <string>
 #include <thread>
@@ -116,9 +119,9 @@ TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
   const at::Tensor expected = TorchParts::model(network)->decode(
       TorchParts::model(network)->encode(nn::in_canonical_order(points)), queries);
   const SceneEmbedding embedding(network, arrays(points));
-  EXPECT_TRUE(at::equal(tensor(embedding.decode(arrays(queries))), expected));
+  EXPECT_TRUE(test::same(tensor(embedding.decode(arrays(queries))), expected));
   const SceneEmbedding same = TorchParts::encode(network, points);
-  EXPECT_TRUE(at::equal(TorchParts::decode(same, queries, {}), expected));
+  EXPECT_TRUE(test::same(TorchParts::decode(same, queries, {}), expected));
   EXPECT_TRUE(embedding.decode({}).empty());
   EXPECT_EQ(embedding.info().scene_points, 300);
   EXPECT_EQ(embedding.info().scale, network.config().scale);
@@ -132,20 +135,22 @@ TEST(SceneEmbedding, DoesNotDependOnTheOrderOfThePoints) {
     config.light_input = light;
     const Network network = tiny_network(config);
     nn::PointSet points = test::box_scene(300, 1);
-    points.position[7] = points.position[4];  // two sides of a sheet, say
-    points.normal[7] = -points.normal[4];
+    points.position.select(0, 7).copy_(points.position.select(0, 4));  // two sides of a sheet, say
+    points.normal.select(0, 7).copy_(points.normal.select(0, 4) * -1);
     const nn::QuerySet queries = test::box_queries(50, 2);
     const at::Tensor expected =
         TorchParts::decode(TorchParts::encode(network, points), queries, {});
     for (const int seed : {1, 2, 3}) {
-      at::manual_seed(static_cast<uint64_t>(seed));
-      const at::Tensor order = at::randperm(300);
+      std::vector<int64_t> numbers(300);
+      std::iota(numbers.begin(), numbers.end(), 0);
+      std::shuffle(numbers.begin(), numbers.end(), std::mt19937(static_cast<unsigned>(seed)));
+      const at::Tensor order = at::tensor(numbers, at::kLong);
       nn::PointSet shuffled = points;
       for (at::Tensor* t : shuffled.tensors())
         if (t->defined()) *t = t->index_select(0, order);
-      ASSERT_FALSE(at::equal(shuffled.position, points.position));
-      EXPECT_TRUE(at::equal(TorchParts::decode(TorchParts::encode(network, shuffled), queries, {}),
-                            expected));
+      ASSERT_FALSE(test::same(shuffled.position, points.position));
+      EXPECT_TRUE(test::same(TorchParts::decode(TorchParts::encode(network, shuffled), queries, {}),
+                             expected));
     }
   }
 }
@@ -153,7 +158,7 @@ TEST(SceneEmbedding, DoesNotDependOnTheOrderOfThePoints) {
 TEST(SceneEmbedding, NamesABadRowAsTheCallerHasIt) {
   const Network network = tiny_network();
   nn::PointSet points = test::box_scene(300, 1);
-  points.normal[241][1] = NAN;
+  points.normal.select(0, 241).select(0, 1).fill_(NAN);
   EXPECT_THAT(message_of([&] { SceneEmbedding(network, arrays(points)); }),
               HasSubstr("normal of row 241 is not finite"));
 }
@@ -239,7 +244,7 @@ TEST(SceneEmbedding, IsLinearInEmission) {
   const at::Tensor after = tensor(brighter.decode(arrays(queries)));
   EXPECT_LT(test::relative_difference(after, before * 64), 1e-4);
   embedding.set_emission_gain({64, 64, 64});
-  EXPECT_TRUE(at::equal(tensor(embedding.decode(arrays(queries))), before * 64));
+  EXPECT_TRUE(test::same(tensor(embedding.decode(arrays(queries))), before * 64));
   EXPECT_DOUBLE_EQ(embedding.mean_emission(), 64 * nn::mean_emission(test::box_scene(300, 1)));
 }
 
@@ -263,8 +268,8 @@ TEST(SceneEmbedding, ASceneTooLargeIsRefusedOrShrunk) {
   const at::NoGradGuard no_grad;
   const nn::Embedding expected =
       TorchParts::model(network)->encode(nn::in_canonical_order(points), 0, {{}, scale});
-  EXPECT_TRUE(at::equal(tensor(shrunk.decode(arrays(queries))),
-                        TorchParts::model(network)->decode(expected, queries)));
+  EXPECT_TRUE(test::same(tensor(shrunk.decode(arrays(queries))),
+                         TorchParts::model(network)->decode(expected, queries)));
   EXPECT_NO_THROW(network.check_fits(40, true));
   EXPECT_NO_THROW(network.check_fits(16, false));
   EXPECT_THROW(network.check_fits(16.1, false), SceneTooLarge);
@@ -290,7 +295,7 @@ TEST(SceneEmbedding, AScaleModelOfARoomIsEnlargedToTheLeastThatIsKnown) {
   EXPECT_NEAR(smaller, scale / 4, 1e-3);
   EXPECT_GT(test::relative_difference(answers_of(0.125f, false, &scale), tiny), 1e-3);
   EXPECT_EQ(scale, 16) << "as it is, unless asked for";
-  EXPECT_TRUE(at::equal(answers_of(1, true, &scale), answers_of(1, false, &smaller)));
+  EXPECT_TRUE(test::same(answers_of(1, true, &scale), answers_of(1, false, &smaller)));
 }
 
 TEST(SceneEmbedding, AGivenLeastCornerKeepsNetworkSpaceInPlace) {
@@ -320,9 +325,9 @@ TEST(SceneEmbedding, RefusesWhatItCannotDoInOneLine) {
   QueryPoints short_normals = arrays(queries);
   short_normals.normal = short_normals.normal.first(3);
   EXPECT_THAT(message_of([&] { embedding.decode(short_normals); }), HasSubstr("3 normals"));
-  queries.position[11][0] = NAN;
+  queries.position.select(0, 11).select(0, 0).fill_(NAN);
   EXPECT_THAT(message_of([&] { embedding.decode(arrays(queries)); }), HasSubstr("row 11"));
-  points.position[17][1] = NAN;
+  points.position.select(0, 17).select(0, 1).fill_(NAN);
   EXPECT_THAT(message_of([&] { SceneEmbedding(network, arrays(points)); }),
               AllOf(HasSubstr("row 17"), Not(HasSubstr("\n"))));
   nn::ModelConfig config = test::tiny_config();

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include <ATen/core/Tensor.h>
+#include "lte/tensor/tensor.h"
 
 namespace lte::test {
 
