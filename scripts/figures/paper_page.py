@@ -49,13 +49,11 @@ OTHERS = (
 )
 
 PICTURE = """
-![The living room at 2688x1152, gathered over the light that lte-base knows: row teaser,
-draft, shown at a third](images/paper_teaser.jpg)
+![The living room at 2688x1152, gathered over lte-base's light, shown at a third](images/paper_teaser.jpg)
 """
 
 GROWTH = """
-![Error of lte-demo by steps, with a power law through one run whose rate falls, and the steps of
-the paper](images/paper_growth.svg)
+![Error of lte-demo by steps, a power law through one run whose rate falls, the paper's steps](images/paper_growth.svg)
 """
 
 AFTER = {"table1": """
@@ -68,7 +66,7 @@ def cell(value):
     if value is None:
         return ""
     if isinstance(value, list):
-        return " to ".join(cell(each) for each in value)
+        return "–".join(cell(each) for each in value)
     if isinstance(value, (int, float)):
         return f"{value:,}" if isinstance(value, int) else digits(value)
     return str(value)

@@ -48,7 +48,7 @@ def sampling_line(rows):
 
 
 def cell_range(values):
-    return " to ".join(digits(value, 2) for value in values)
+    return "–".join(digits(value, 2) for value in values)
 
 
 # Memory, by a process a row.
