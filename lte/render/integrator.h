@@ -45,9 +45,9 @@ struct SurfacePoints {
 struct PointSampling {
   int rays = 2;           ///< of indirect light; 0: none is wanted
   int light_samples = 2;  ///< of direct light; 0: none is wanted
-  int near_hits = 1;      ///< gi::GatherOptions::near_hits
   uint64_t seed = 0;
   int64_t first_index = 0;  ///< of the first point's random stream: (seed, first_index + i)
+  int near_hits = 1;        ///< gi::GatherOptions::near_hits
 };
 
 /// Irradiance in W/m², an entry a point; empty where it is not wanted. Indirect light has been
