@@ -49,11 +49,13 @@ OTHERS = (
 )
 
 PICTURE = """
-![The living room at 2688x1152, gathered over lte-base's light, shown at a third](images/paper_teaser.jpg)
+![The living room at 2688x1152, gathered over lte-base's light, shown at a third]\
+(images/paper_teaser.jpg)
 """
 
 GROWTH = """
-![Error of lte-demo by steps, a power law through one run whose rate falls, the paper's steps](images/paper_growth.svg)
+![Error of lte-demo by steps, a power law through one run whose rate falls, the paper's steps]\
+(images/paper_growth.svg)
 """
 
 AFTER = {"table1": """
