@@ -8,6 +8,7 @@
 
 #include "lte/bake/bake.h"
 #include "lte/bake/light_group.h"
+#include "lte/bake/rates.h"
 #include "lte/image/exr.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/load.h"
@@ -245,6 +246,41 @@ TEST(TexelLight, IsThatOfPathsPointByPoint) {
   EXPECT_GT(dark, 0);  // under the boxes, and their bottoms
   EXPECT_GT(static_cast<double>(near), 0.95 * static_cast<double>(lit));
   EXPECT_LT(square / static_cast<double>(lit) / (mean * mean), 0.02);
+}
+
+TEST(Rates, FollowNoiseOverLight) {
+  scene::Scene scene;
+  const int white = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_quad(&scene, {0, 0, 0}, {0, 0, 4}, {4, 0, 0}, white);
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(8));
+  const size_t count = layout.texels.size();
+  const std::vector<uint8_t> none(count);
+  const TexelGraph graph(traced.bvh,
+                         {layout.texels.position, layout.texels.normal, layout.texels.edge, none});
+  // All of one light; halves differ four times as much where x > 2.
+  Halves samples{std::vector<Rgb>(count), std::vector<Rgb>(count)};
+  for (size_t i = 0; i < count; ++i) {
+    const float off = layout.texels.position[i].x > 2 ? 0.4f : 0.1f;
+    samples[0][i] = Rgb{1, 1, 1} * (1 + off);
+    samples[1][i] = Rgb{1, 1, 1} * (1 - off);
+  }
+  std::vector<uint8_t> skipped(count);
+  skipped[0] = 1;
+  const std::vector<uint8_t> rate = sampling_rates(graph, samples, skipped);
+  EXPECT_EQ(rate[0], 0);
+  double low = 0, high = 0;
+  for (size_t i = 1; i < count; ++i) {
+    EXPECT_GE(rate[i], kFullRate / 8);
+    const Vec3& p = layout.texels.position[i];
+    if (p.x > 0.8f && p.x < 1.2f && p.z > 1 && p.z < 3) low = rate[i];
+    if (p.x > 2.8f && p.x < 3.2f && p.z > 1 && p.z < 3) high = rate[i];
+  }
+  // The prior of all texels counts for four of thirteen.
+  EXPECT_GT(high, 1.7 * low);
+  EXPECT_LT(high, 4 * low);
+  EXPECT_EQ(passes_of(kFullRate, 5), 5);
+  EXPECT_EQ(passes_of(kFullRate / 8, 9), 2);
 }
 
 TEST(TexelLight, IsOfTheSideThatLightReaches) {
