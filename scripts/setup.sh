@@ -80,7 +80,7 @@ install_xatlas() {
   [ -x .venv/bin/pip ] || make_environment .venv
   local folder file; folder=$(mktemp -d)
   file=$folder/xatlas-$xatlas_version.tar.gz
-  if .venv/bin/pip download --quiet --disable-pip-version-check --no-deps --no-binary :all: \
+  if .venv/bin/pip download --quiet --disable-pip-version-check --no-deps --no-binary xatlas \
     --dest "$folder" "xatlas==$xatlas_version" &&
     echo "$xatlas_checksum  $file" | sha256sum --check --quiet; then
     mkdir -p .venv/xatlas
