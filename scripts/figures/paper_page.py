@@ -32,8 +32,6 @@ OTHERS = (
      "[architecture.md](architecture.md), [dataset.md](dataset.md)", ""),
     ("Figure 3: attention", "picture", "drawn on demand",
      "`experiment_attention SCENE.glb --point X,Y,Z --out a.png`"),
-    ("Roadmap in 300 steps", "", "MSE / mean square: vanilla 0.309 ± 0.004; + encoder 0.326 ± 0.001; "
-     "+ query decoder 0.306 ± 0.003", "`experiment_paper roadmap --steps 300`"),
     ("Our own parts, each taken out", "", "[lab](lab/learning.md)", "`experiments/ablation`"),
     ("Figure 8: full renderings", "pictures", "[README](../README.md)", "`lte_render`"),
     ("Table 2: structure", "42 M parameters", "41,932,803",

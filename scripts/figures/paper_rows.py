@@ -195,7 +195,7 @@ ROWS = (
     Row("roadmap", "Figures 11, 12: roadmap, MSE", "vanilla .068; + encoder .084; + decoder .048",
         "3 h; 6 min", paper_trainings.roadmap, paper_trainings.roadmap_line,
         (("network", "network"), ("seed", "seed"), ("parameters", "parameters"), ("MSE", "mse"),
-         ("MSE / mean square", "share"), ("at first", "first_share"), ("ms a step", "step_ms"),
+         ("MSE / mean square", "share"), ("ms a step", "step_ms"),
          ("peak MB", "peak_rss_mb"))),
     Row("hyperparameters", "Neighbours, points, D, layers, patches, queries",
         "PSNR: kappa 8 26.96, 32 34.57; 5 k points 28.51, 20 k 34.57", "6 h; 6 min",

@@ -47,12 +47,14 @@ def whole(run, seed):
 
 def roadmap_line(rows):
     names = list(zip(("vanilla", "+ encoder", "+ query decoder"), NETWORKS))
-    first, best = mean_of(rows, "first_share"), min(row["share"] for row in rows)
+    first = mean_of(rows, "first_share")  # of the scenes that validate, as the looks
+    last = [row["looks"][-1]["share"] for row in rows]
     each = "; ".join(f"{name} {spread_of(rows, 'share', network=key)} "
                      f"({digits(mean_of(rows, 'step_ms', network=key), 2)} ms a step)"
                      for name, key in names)
-    verdict = "; hardly trained" if best > HARDLY_TRAINED * first else ""
-    return f"MSE / mean square, {digits(first)} at first: {each}{verdict}"
+    verdict = "; hardly trained" if min(last) > HARDLY_TRAINED * first else ""
+    return (f"MSE / mean square: {each}; validation from {digits(first)} to {digits(min(last))} to "
+            f"{digits(max(last))}{verdict}")
 
 
 @dataclasses.dataclass(frozen=True)
