@@ -385,7 +385,8 @@ TEST(Lightmap, IsDarkInsideThingsAndFilledBeyondCharts) {
   for (const uint32_t pixel : layout.texels.pixel) of_chart[pixel] = 1;
   for (int y = 1; y + 1 < map.height; ++y) {
     for (int x = 1; x + 1 < map.width; ++x) {
-      const auto at = static_cast<size_t>(y * map.width + x);
+      const auto at =
+          static_cast<size_t>(y) * static_cast<size_t>(map.width) + static_cast<size_t>(x);
       if (of_chart[at] != 0) continue;
       if (of_chart[at - 1] != 0 || of_chart[at + 1] != 0) {
         EXPECT_EQ(map.mask[at], static_cast<uint8_t>(Texel::Filled));
