@@ -226,13 +226,9 @@ void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>&
     }
   }
   for (int round = 0; round < kReweighings; ++round) {
-    // A bright side that has come down to a dark one is as dark there.
-    double unused = 0;
-    const std::vector<double> now = levels_of(seams, *irradiance, &unused);
     system.diagonal = system.own;
     system.strength.clear();
     for (size_t s = 0; s < seams.size(); ++s) {
-      level[s] = std::min(level[s], now[s]);
       system.strength.push_back(share(level[s], kSeam));
       for (size_t k = 0; k < 8; ++k)
         system.diagonal[system.column[s][k]] +=
@@ -243,6 +239,11 @@ void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>&
       for (size_t i = 0; i < x[c].size(); ++i)
         (*irradiance)[3 * system.pixel[i] + c] = static_cast<float>(x[c][i]);
     }
+    if (round + 1 == kReweighings) return;
+    // A bright side that has come down to a dark one is as dark there.
+    double unused = 0;
+    const std::vector<double> now = levels_of(seams, *irradiance, &unused);
+    for (size_t s = 0; s < seams.size(); ++s) level[s] = std::min(level[s], now[s]);
   }
 }
 
