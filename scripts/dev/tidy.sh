@@ -46,13 +46,21 @@ commands=$(mktemp -d)
 trap 'rm -rf "$commands"' EXIT
 filtered=$commands/compile_commands.json
 mapfile -t files < <(python3 - "$database" "$filtered" "$torch" "$most" "${files[@]}" <<'PYTHON'
-import json, os, shlex, sys
+import json, os, re, shlex, sys
 database, out, torch, most, *wanted = sys.argv[1:]
 wanted = {os.path.realpath(name) for name in wanted}
 kept = {}
+
+def sources(file):
+    """The file, or those that it compiles together."""
+    if "/Unity/unity_" not in file:
+        return [os.path.realpath(file)]
+    return re.findall(r'^#include "(.+)"', open(file).read(), re.M)
+
 for entry in json.load(open(database)):
-    path = os.path.realpath(os.path.join(entry["directory"], entry["file"]))
-    if path not in wanted or path in kept:
+    file = os.path.join(entry["directory"], entry["file"])
+    paths = [path for path in sources(file) if path in wanted and path not in kept]
+    if not paths:
         continue
     words, skip = [], False
     given = shlex.split(entry["command"])
@@ -64,7 +72,9 @@ for entry in json.load(open(database)):
         elif word not in ("-fpch-preprocess", "-Winvalid-pch", "-fopenmp", "-Werror"):
             words.append(word)
     words.append("-Wno-unknown-warning-option")
-    kept[path] = {"directory": entry["directory"], "file": path, "arguments": words}
+    for path in paths:
+        own = [path if word == entry["file"] else word for word in words]
+        kept[path] = {"directory": entry["directory"], "file": path, "arguments": own}
 for path in sorted(wanted - kept.keys()):
     print(f"tidy: {os.path.relpath(path)} is in no target of {database}: left out", file=sys.stderr)
 if torch == "0":
