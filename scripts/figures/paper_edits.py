@@ -6,6 +6,7 @@ import random
 import struct
 
 from paper_words import digits
+from sample_file import read_floats
 
 ROOM = "assets/scenes/living_room.glb"
 CHANGES = ("lamp moved 1 m", "sofa moved 0.6 m", "floor green", "walls red")
@@ -14,14 +15,10 @@ PIECES = {CHANGES[0]: (range(45, 48), (1.0, 0, 0)), CHANGES[1]: (range(16, 20), 
 MARGIN = 0.01  # metres around it
 
 
-def read_tensor(path, name):
-    """Rows of a float32 tensor [n, 3] of a sample file."""
-    with open(path, "rb") as file:
-        size = struct.unpack("<Q", file.read(8))[0]
-        entry = json.loads(file.read(size))[name]
-        begin, end = entry["data_offsets"]
-        file.seek(8 + size + begin)
-        return list(struct.iter_unpack("<fff", file.read(end - begin)))
+def read_rows(path, name):
+    """Of a tensor [n, 3]."""
+    [(numbers, _)] = read_floats(path, name)
+    return list(zip(*[iter(numbers)] * 3))
 
 
 def gltf_of(data):
@@ -89,7 +86,7 @@ def norm(values):
 
 def measure(run, sample):
     sample = run.root / sample
-    position, normal = read_tensor(sample, "query_position"), read_tensor(sample, "query_normal")
+    position, normal = read_rows(sample, "query_position"), read_rows(sample, "query_normal")
     picks = random.Random(1).sample(range(len(position)), run.size(2000, 300))
     points = run.root / run.folder("points.csv")
     points.write_text("px,py,pz,nx,ny,nz\n" + "".join(

@@ -8,34 +8,20 @@ work folder); lte_probe answers there by gathered rays, over traced light and ov
 Direct light is left out. The mean square of the difference is rid of the reference's own variance.
 """
 import argparse
-import array
 import csv
 import json
 import math
 import pathlib
 import resource
 import statistics
-import struct
 import subprocess
 import sys
+
+from sample_file import read_floats
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SUFFIXES = {".glb", ".gltf", ".pbrt", ".obj", ".ply"}
 NAMES = ("px", "py", "pz", "nx", "ny", "nz")
-
-
-def read_sample(path):
-    """Float tensors of a sample file by name, flat, and their shapes."""
-    with open(path, "rb") as file:
-        header = json.loads(file.read(struct.unpack("<Q", file.read(8))[0]))
-        start = file.tell()
-        out = {}
-        for name, entry in header.items():
-            if entry.get("dtype") == "F32":
-                begin, end = entry["data_offsets"]
-                file.seek(start + begin)
-                out[name] = array.array("f", file.read(end - begin)), entry["shape"]
-        return out
 
 
 def sum_of_groups(tensor):
@@ -61,10 +47,10 @@ def measure(scene, name, args):
         processor_seconds([args.bin / "lte_datagen", "bake", scene, "--out", sample, "--prune",
                            "--scene-points", "64", "--views", "0", "--quiet",
                            "--queries", str(args.points), "--rays", str(args.rays)])
-    tensors = read_sample(sample)
-    truth = sum_of_groups(tensors["indirect"])
-    variance = statistics.fmean(tensors["variance"][0])  # of the mean over all rays
-    places, facing = tensors["query_position"][0], tensors["query_normal"][0]
+    indirect, (noise, _), (places, _), (facing, _) = read_floats(
+        sample, "indirect", "variance", "query_position", "query_normal")
+    truth = sum_of_groups(indirect)
+    variance = statistics.fmean(noise)  # of the mean over all rays
     table, answers = args.work / f"{name}.csv", args.work / f"{name}-light.csv"
     with open(table, "w", newline="") as file:
         rows = csv.writer(file)
