@@ -6,7 +6,10 @@ machine.
 """
 import os
 import pathlib
+import signal
 import subprocess
+import sys
+import time
 
 os.environ["LTE_OIDN"] = "off"
 
@@ -72,3 +75,44 @@ def tool():
 
     run.folder = pathlib.Path(folder).resolve()
     return run
+
+
+WORK = """
+import itertools, sys, time, lte
+scene = lte.load(lte.living_room)
+seed = itertools.count()
+{before}
+print("ready", flush=True)
+try:
+    while True:
+        {call}
+except KeyboardInterrupt:
+    print(time.time(), flush=True)
+{after}
+"""
+
+
+@pytest.fixture
+def interrupted():
+    """Runs a call over and over, sends Ctrl-C, and fails unless it ends soon and all goes on."""
+    def run(call, *arguments, before="", after="", seconds=5):
+        code = WORK.format(call=call, before=before, after=after)
+        work = subprocess.Popen([sys.executable, "-c", code, *arguments], text=True,
+                                stdout=subprocess.PIPE)
+        assert work.stdout.readline() == "ready\n"
+        time.sleep(1)
+        sent = time.time()
+        work.send_signal(signal.SIGINT)
+        ended = float(work.stdout.readline())
+        assert work.wait() == 0
+        # A fifth of a second on an idle machine.
+        assert ended - sent < float(os.environ.get("LTE_SECONDS", seconds))
+    return run
+
+
+@pytest.fixture
+def resident_mb():
+    def measure():
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    return measure

@@ -1,11 +1,9 @@
 """The network: models, embeddings, and light by them, against the tools and against paths."""
 import csv
 import os
-import signal
 import subprocess
 import sys
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -219,36 +217,14 @@ def test_a_forked_process_answers():
 @pytest.mark.parametrize("call", [
     "embedding.irradiance(points, normals)", "model.encode(scene, scene_points=16000)",
     "lte.render(scene, size=(1280, 960), integrator='network', seed=next(seed))"])
-def test_ctrl_c_ends_work(call, tmp_path):
-    work = subprocess.Popen([sys.executable, "-c", f"""
-import itertools, time, lte
-scene, model, seed = lte.load(lte.living_room), lte.Model.load(), itertools.count()
-embedding = model.encode(scene)
-points, normals = scene.sample(200000)
-print("ready", flush=True)
-try:
-    while True:
-        {call}
-except KeyboardInterrupt:
-    print(time.time(), flush=True)
-embedding.irradiance(points[:9], normals[:9])
-"""], text=True, stdout=subprocess.PIPE)
-    assert work.stdout.readline() == "ready\n"
-
-    time.sleep(1)
-    sent = time.time()
-    work.send_signal(signal.SIGINT)
-    ended = float(work.stdout.readline())
-    assert work.wait() == 0
-    assert ended - sent < float(os.environ.get("LTE_SECONDS", 10))
+def test_ctrl_c_ends_work(interrupted, call):
+    interrupted(call, before="model = lte.Model.load(); embedding = model.encode(scene); "
+                             "points, normals = scene.sample(200000)",
+                after="embedding.irradiance(points[:9], normals[:9])", seconds=10)
 
 
-def test_encodes_and_calls_leave_no_memory(room, model):
+def test_encodes_and_calls_leave_no_memory(room, model, resident_mb):
     """LTE_CALLS=100000 takes a minute."""
-    def resident_mb():
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-
     calls = int(os.environ.get("LTE_CALLS", 2000))
     point = np.zeros((1, 3), np.float32)
 

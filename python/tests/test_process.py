@@ -1,6 +1,5 @@
 """The package in a process: threads, forks, Ctrl-C, memory."""
 import os
-import signal
 import subprocess
 import sys
 import threading
@@ -67,45 +66,19 @@ def test_scenes_in_globals_end_quietly():
     assert ended.returncode == 0 and ended.stderr == ""
 
 
-WORK = """
-import sys, time, lte
-scene = lte.load(lte.living_room)
-points, normals = scene.sample(2000)
-print("ready", flush=True)
-try:
-    while True:
-        {call}
-except KeyboardInterrupt:
-    print(time.time(), flush=True)
-scene.sample(3)
-"""
-
-
 @pytest.mark.parametrize("call", [
     "lte.render(scene, size=(640, 480), integrator='path', spp=4096).save(sys.argv[1])",
-    "lte.render(scene, size=(1280, 960), seed=time.time_ns() % 9999).save(sys.argv[1])",
+    "lte.render(scene, size=(1280, 960), seed=next(seed)).save(sys.argv[1])",
     "lte.irradiance(scene, points, normals)", "lte.trace(scene, points, normals, rays=65536)",
-    "lte.generate_scene('homes', seed=time.time_ns() % 9999)"])
-def test_ctrl_c_ends_work(call, tmp_path):
-    work = subprocess.Popen([sys.executable, "-c", WORK.format(call=call), tmp_path / "a.exr"],
-                            text=True, stdout=subprocess.PIPE)
-    assert work.stdout.readline() == "ready\n"
-    time.sleep(1)
-    sent = time.time()
-    work.send_signal(signal.SIGINT)
-    ended = float(work.stdout.readline())
-    assert work.wait() == 0
+    "lte.generate_scene('homes', seed=next(seed))"])
+def test_ctrl_c_ends_work(interrupted, call, tmp_path):
+    interrupted(call, tmp_path / "a.exr", before="points, normals = scene.sample(2000)",
+                after="scene.sample(3)")
     assert not list(tmp_path.iterdir())
-    # A fifth of a second on an idle machine.
-    assert ended - sent < float(os.environ.get("LTE_SECONDS", 5))
 
 
-def test_calls_leave_no_memory(room):
+def test_calls_leave_no_memory(room, resident_mb):
     """LTE_CALLS=100000 takes minutes."""
-    def resident_mb():
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-
     calls = int(os.environ.get("LTE_CALLS", 2000))
     point = np.zeros((1, 3), np.float32), np.float32([[0, 1, 0]])
 
