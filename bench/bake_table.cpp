@@ -220,7 +220,8 @@ void run_bake_table(const BakeTableRequest& request, const CommonOptions& common
                                 {"bias", row.bias},
                                 {"median", row.median},
                                 {"p95", row.p95},
-                                {"leak", row.leak}});
+                                {"leak", row.leak},
+                                {"seam", row.seam}});
     }
     std::fflush(stdout);
   }

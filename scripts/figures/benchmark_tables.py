@@ -78,6 +78,14 @@ def picture_rows(results):
     return list(rows.values())
 
 
+def bake_rows(results):
+    rows = {}
+    for row in results["bake"]["scenes"]:
+        name = row["scene"].rpartition("/")[2].partition(".")[0]
+        rows.setdefault(row["method"], {"method": row["method"]})[name] = row
+    return list(rows.values())
+
+
 def network_rows(results):
     words = {"encode": "encode a scene", "decode": "decode a picture"}
     return [{"work": words[run["name"]], "items": run["n"],
@@ -177,6 +185,15 @@ TABLES = (
               (("living_room", "living room"), ("cornell_box", "Cornell box"),
                ("home_00000", "home 0"), ("home_00001", "home 1")),
               (("first", "s"), ("relmse", "relMSE")))),
+    Table("bake", (
+        Command(f"lte_bench bake {LIVING_ROOM} assets/scenes/outside/gallery_spots.glb "
+                "assets/scenes/outside/stairwell_two_floors.glb --measured 3000 --json {json}",
+                "bake"),),
+          bake_rows,
+          (("method", "method"),) + scene_columns(
+              (("living_room", "living room"), ("gallery_spots", "gallery"),
+               ("stairwell_two_floors", "stairwell")),
+              (("seconds", "s"), ("rel_mse", "relMSE"), ("leak", "leak"), ("seam", "seam")))),
     Table("network", (
         Command("lte_bench encoder --repeats 5 --json {json}", "encode"),
         Command("lte_bench encoder --repeats 5 --precision bf16 --json {json}", "encode-bf16"),
