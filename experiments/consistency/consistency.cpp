@@ -8,6 +8,7 @@
 #include "infer/picture/surface_guides.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/placement/turntable.h"
+#include "lte/pathtrace/ray_offset.h"
 
 namespace lte::experiments {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/scene/surface.h"
 
 namespace lte::experiments {

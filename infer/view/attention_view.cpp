@@ -7,6 +7,7 @@
 
 #include "infer/renderer/attention_map.h"
 #include "lte/base/check.h"
+#include "lte/pathtrace/ray_offset.h"
 
 namespace lte::infer::view {
 namespace {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lte/bake/seams.h"
 #include "lte/base/check.h"
 #include "lte/base/version.h"
 #include "lte/scene/metal.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/ray_offset.h"
 
 namespace lte::bake {
 namespace {

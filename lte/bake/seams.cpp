@@ -1,9 +1,10 @@
+#include "lte/bake/seams.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-#include "lte/bake/finish.h"
 #include "lte/base/random.h"
 
 namespace lte::bake {

@@ -7,6 +7,7 @@
 
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/ray_offset.h"
 
 namespace lte::bake {
 namespace {

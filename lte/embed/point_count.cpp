@@ -6,6 +6,7 @@
 #include "lte/base/parallel_each.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/hemisphere.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/pathtrace/reach/reach.h"
 #include "lte/scene/sampler.h"
 

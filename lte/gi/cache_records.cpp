@@ -9,6 +9,7 @@
 #include "lte/base/parallel.h"
 #include "lte/gi/gather.h"
 #include "lte/pathtrace/direct_light.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/scene/sampler.h"
 
 namespace lte::gi {

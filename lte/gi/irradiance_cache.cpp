@@ -6,6 +6,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel_each.h"
+#include "lte/pathtrace/ray_offset.h"
 
 namespace lte::gi {
 namespace {

@@ -11,6 +11,7 @@
 #include "lte/nn/encoder/point_transformer.h"
 #include "lte/nn/model.h"
 #include "lte/ops/query_decoder.h"
+#include "lte/ops/spatial_order.h"
 #include "lte/tensor/functions.h"
 
 namespace lte::nn {

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "lte/nn/model_parts.h"
+#include "lte/ops/spatial_order.h"
 
 namespace lte::nn {
 namespace {

@@ -23,7 +23,6 @@ TORCH_LIBRARY_FRAGMENT(lte, m) {
       "query_decoder_backward(Tensor grad, Tensor attributes, Tensor position, Tensor anchor, "
       "Tensor index, float scale, float limit, Tensor? normal, Tensor? anchor_normal, "
       "Tensor table, Tensor sums, Tensor[] weights) -> (Tensor, Tensor[])");
-  m.def("spatial_order(Tensor points) -> Tensor");
 }
 
 namespace lte::ops {
@@ -108,11 +107,6 @@ at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeig
   static const auto op = find_operator<Signature>("lte::query_decoder_inference");
   return op.call(attributes, near.position, near.anchor, near.index, near.scale, near.limit,
                  optional(near.normal), optional(near.anchor_normal), table, weights.to_list());
-}
-
-at::Tensor spatial_order(const at::Tensor& points) {
-  static const auto op = find_operator<decltype(spatial_order)>("lte::spatial_order");
-  return op.call(points);
 }
 
 }  // namespace lte::ops

@@ -34,7 +34,7 @@ struct QueryNeighbourhood {
 /// @throws c10::Error on a wrong shape, dtype, device or number of weights, or, on the CPU, an
 ///         index out of range; on CUDA such an index fails a device-side assertion
 /// @note Not differentiable. On the CPU each query's result is the same bits whatever other queries
-///       there are, in whatever order. Queries in the order of spatial_order() run fastest.
+///       there are, in whatever order; the order of spatial_order() (spatial_order.h) is fastest.
 /// @note CPU: some 2 MB of working memory a thread at C = 128 and L = 6, and a copy of the weights.
 ///       CUDA: 150 MB for blocks of 16,384 queries; products follow LibTorch's switch for TF32; the
 ///       host waits for nothing.
@@ -62,14 +62,5 @@ at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeig
 /// @note CPU only. The same bits for any number of threads, gradients included.
 at::Tensor query_decoder(const at::Tensor& attributes, const QueryNeighbourhood& near,
                          const at::Tensor& table, const DecoderWeights& weights);
-
-/// An order in which consecutive points are near each other: along the Z curve of 1,024 cells an
-/// axis.
-///
-/// @param points  [N, 3] float32, contiguous, finite, on the CPU
-/// @return  [N] int64, a permutation
-/// @throws c10::Error on a wrong shape, dtype or layout, or a point that is not finite
-/// @note O(N), stable: points of one cell keep their order.
-at::Tensor spatial_order(const at::Tensor& points);
 
 }  // namespace lte::ops

@@ -269,10 +269,6 @@ bool Bvh::occluded(const Ray& ray) const {
   return query.tfar < 0;
 }
 
-Vec3 offset_origin(const Vec3& position, const Vec3& side, float magnitude) {
-  return position + side * (0x1p-20f * std::max(max_component(abs(position)), magnitude));
-}
-
 Vec3 frame_origin(const Bounds& bounds) {
   if (bounds.empty()) return {};
   const Vec3 center = bounds.center();

@@ -68,13 +68,6 @@ class Bvh {
   std::unique_ptr<Handles> handles_;
 };
 
-/// A point moved off its surface along `side` (unit, towards the hemisphere the ray leaves into),
-/// so that a ray from it does not meet its own triangle: by 2^-20 of its largest coordinate or of
-/// `magnitude`, several times the rounding of a point sampled on triangles of such coordinates.
-/// @param magnitude  e.g. half the extent of the scene: a point near the origin of a large triangle
-///                   is no more exact than the triangle's corners
-Vec3 offset_origin(const Vec3& position, const Vec3& side, float magnitude = 0);
-
 /// Where ray tracing puts its origin: zero for scenes around theirs; the centre of the bounds for
 /// scenes so far off that float coordinates are coarse, whose paths are then as exact as anywhere.
 Vec3 frame_origin(const Bounds& bounds);

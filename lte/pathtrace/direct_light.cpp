@@ -15,6 +15,7 @@
 #include "lte/pathtrace/blocks/ray_packets.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/lights/light_lanes.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 
 namespace lte::pathtrace {

@@ -9,6 +9,7 @@
 #include "lte/bake/bake.h"
 #include "lte/bake/light_group.h"
 #include "lte/bake/rates.h"
+#include "lte/bake/seams.h"
 #include "lte/image/exr.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/load.h"

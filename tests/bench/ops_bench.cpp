@@ -22,6 +22,7 @@
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/query_decoder.h"
+#include "lte/ops/spatial_order.h"
 #include "lte/ops/submanifold_conv.h"
 #include "lte/ops/surfel_rays.h"
 

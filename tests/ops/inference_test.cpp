@@ -8,6 +8,7 @@
 #include "lte/ops/norm_layers.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/query_decoder.h"
+#include "lte/ops/spatial_order.h"
 #include "tests/ops/fixtures.h"
 
 namespace lte::ops {

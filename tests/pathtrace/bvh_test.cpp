@@ -11,6 +11,7 @@
 #include "lte/base/cpu_isa.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/embree_scene.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {

@@ -12,6 +12,7 @@
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/neighbour_sums_args.h"
 #include "lte/ops/query_decoder.h"
+#include "lte/ops/spatial_order.h"
 
 namespace lte::nn {
 namespace {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/pathtrace/transport/transport.h"
 
 namespace lte::pathtrace {

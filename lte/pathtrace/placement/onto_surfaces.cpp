@@ -5,6 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/ray_offset.h"
 
 namespace lte::pathtrace {
 namespace {

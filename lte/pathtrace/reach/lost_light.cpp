@@ -9,6 +9,7 @@
 #include "lte/base/random.h"
 #include "lte/base/text.h"
 #include "lte/pathtrace/hemisphere.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/scene/area_table.h"
 #include "lte/scene/surface.h"
 

@@ -3,6 +3,7 @@
 #include "lte/base/parallel_each.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/hemisphere.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/pathtrace/reach/reach_search.h"
 
 namespace lte::pathtrace {

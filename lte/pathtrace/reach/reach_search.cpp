@@ -8,6 +8,7 @@
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/lights/lights.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/pathtrace/reach/light_finder.h"
 #include "lte/pathtrace/reach/place_grid.h"
 #include "lte/scene/area_table.h"

@@ -12,6 +12,7 @@
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/blocks/path_sampler.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/ray_offset.h"
 #include "lte/pathtrace/transport/transport.h"
 
 namespace lte::pathtrace {
