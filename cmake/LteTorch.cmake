@@ -36,6 +36,12 @@ endforeach()
 list(APPEND CMAKE_BUILD_RPATH ${lte_torch_rpath})
 # Installed tools find our libraries beside them and LibTorch where it was when they were built.
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}" ${lte_torch_rpath})
+if(LTE_RELOCATABLE)
+  # Its macros of checks have __FILE__ in them.
+  target_compile_options(lte_torch INTERFACE
+    $<BUILD_INTERFACE:-ffile-prefix-map=${LTE_TORCH_ROOT}/include/=>
+    $<BUILD_INTERFACE:-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=>)
+endif()
 message(STATUS "LibTorch: ${LTE_TORCH_ROOT}")
 
 include(LteCuda)

@@ -1,12 +1,14 @@
 #include "program/commands.h"
 
-#include <cstdio>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <unistd.h>
 
 #include "lte/base/version.h"
 #include "lte/cli/assets.h"
@@ -55,27 +57,37 @@ const Command* find(std::string_view word, std::string_view Command::*member) {
   return nullptr;
 }
 
-void print_usage(std::ostream& out) {
+bool there_is(const Command& command, const TorchTools& torch) {
+  return command.run != nullptr || (command.needs == kTorch && !torch.program.empty());
+}
+
+void print_usage(std::ostream& out, const TorchTools& torch) {
   out << "usage: lte COMMAND ...; each COMMAND has --help\n";
   for (const Command& command : kCommands) {
-    if (command.run == nullptr) continue;
+    if (!there_is(command, torch)) continue;
     out << "  lte " << command.name << std::string(8 - command.name.size(), ' ') << command.about
         << '\n';
   }
 }
 
-int run(const Command& command, std::vector<std::string> words) {
-  if (command.run == nullptr) {
-    std::cerr << "lte: " << command.name << " needs " << command.needs
-              << ", which this package is built without: install lte from its sources "
-                 "(scripts/build.sh)\n";
+int run(const Command& command, std::vector<std::string> words, const TorchTools& torch) {
+  if (!there_is(command, torch)) {
+    const bool advised = command.needs == kTorch && !torch.advice.empty();
+    std::cerr << "lte: " << command.name << " needs " << command.needs << ": "
+              << (advised ? torch.advice
+                          : "this package is built without; pip install lte[torch] has it, or a "
+                            "build of the sources (scripts/build.sh)")
+              << '\n';
     return 1;
   }
   words.insert(words.begin(), std::string(command.tool));
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  return command.run(static_cast<int>(words.size()), arguments.data());
+  if (command.run != nullptr) return command.run(static_cast<int>(words.size()), arguments.data());
+  execv(torch.program.c_str(), arguments.data());  // which knows the tool by argv[0]
+  std::cerr << "lte: " << torch.program << ": " << std::strerror(errno) << '\n';
+  return 1;
 }
 
 /// What stands before the words of a command, and after them where there are none.
@@ -90,29 +102,29 @@ std::vector<std::string> complete(const Command& command, std::vector<std::strin
 
 }  // namespace
 
-int run_command(int argc, char** argv) {
+int run_command(int argc, char** argv, const TorchTools& torch) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   const std::string called = std::filesystem::path(argv[0]).filename().string();
-  if (const Command* tool = find(called, &Command::tool)) return run(*tool, words);
+  if (const Command* tool = find(called, &Command::tool)) return run(*tool, words, torch);
   const std::string word = words.empty() ? "" : words.front();
   if (word == "--version") {
     std::cout << "lte " << version() << '\n';
     return 0;
   }
   if (word == "--help" || word == "-h") {
-    print_usage(std::cout);
+    print_usage(std::cout, torch);
     return 0;
   }
   const Command* command = find(word, &Command::name);
   if (command == nullptr) {
     if (word.empty())
-      print_usage(std::cerr);
+      print_usage(std::cerr, torch);
     else
       std::cerr << "lte: there is no command " << word << "; lte --help lists them\n";
     return 2;
   }
   try {
-    return run(*command, complete(*command, {words.begin() + 1, words.end()}));
+    return run(*command, complete(*command, {words.begin() + 1, words.end()}), torch);
   } catch (const std::exception& error) {  // the demo's scene is not there
     std::cerr << "lte: " << error.what() << '\n';
     return 1;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes what a release consists of, in out/release: Debian packages lte, lte-dev and lte-models, an
-# archive of them, the Python wheels, the changelog's part, and SHA256SUMS. Without LibTorch and
-# training. LTE_MAINTAINER="Name <address>" is the packages' maintainer, by default git's user.
+# archive of them, the Python wheels, the changelog's part, and SHA256SUMS. The wheel lte-torch
+# alone has training. LTE_MAINTAINER="Name <address>" is the packages' maintainer, by default git's user.
 #
 # usage: scripts/release.sh [--no-wheel]
 set -euo pipefail
@@ -13,7 +13,7 @@ case "${1:-}" in
   --help | -h) sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
   *) echo "release: unknown argument $1; see --help" >&2; exit 2 ;;
 esac
-scripts/setup.sh --packages
+if [ -n "$wheel" ]; then scripts/setup.sh; else scripts/setup.sh --packages; fi
 version=$(sed -n 's/^project(lte VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 out=out/release build=build-packages
 export CCACHE_BASEDIR=$PWD  # as scripts/build.sh
@@ -25,7 +25,7 @@ cmake --build --preset packages
 mv "$build"/packages/*.deb "$build"/packages/*.tar.gz "$out/"
 if [ -n "$wheel" ]; then
   scripts/dev/wheel.sh
-  cp out/wheel/lte-*.whl "$out/"
+  cp out/wheel/*.whl "$out/"
 fi
 # Unreleased, until there is a part of this version.
 awk -v part="## $version" '

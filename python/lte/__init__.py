@@ -27,13 +27,15 @@ if TYPE_CHECKING:  # NumPy is imported where there is work for it
     from lte._arrays import Floats
 
 __version__: str = _lte.__version__
-__all__ = ["Camera", "Embedding", "Error", "Light", "LightMap", "Model", "Picture", "Scene", "bake",
-           "from_blender", "from_mitsuba", "from_usd", "generate_dataset", "generate_scene",
-           "irradiance", "living_room", "load", "render", "set_threads", "set_verbose", "threads",
-           "to_mitsuba", "trace"]
+__all__ = ["Camera", "Embedding", "Error", "Light", "LightMap", "Model", "Picture", "Scene",
+           "Training", "bake", "configs", "from_blender", "from_mitsuba", "from_usd",
+           "generate_dataset", "generate_scene", "irradiance", "living_room", "load", "render",
+           "set_threads", "set_verbose", "threads", "to_mitsuba", "trace", "train"]
 
 Integrator: TypeAlias = Literal["gather", "network", "path"]
 
+#: Configurations of data sets and of training: `configs / "train" / "homes_small.yaml"`.
+configs = pathlib.Path(__file__).parent / "configs"
 #: A scene that comes with the package.
 living_room = pathlib.Path(__file__).parent / "scenes" / "living_room.glb"
 _lte_base = pathlib.Path(__file__).parent / "models" / "lte-base.safetensors"
@@ -374,6 +376,60 @@ def generate_dataset(config: Path, out: Path, *, set: dict[str, object] | None =
     """
     overrides = [f"{key}={value}" for key, value in (set or {}).items()]
     return dict(_lte.generate_dataset(path_text(config), path_text(out), overrides, bool(resume)))
+
+
+class Training:
+    """A training run, which begins with the first step that is asked for: (step, mean loss since
+    the step before).
+
+    Ctrl-C, close(), and the end of a `with` finish the step that is at work and write a checkpoint,
+    from which train(resume=True) goes on.
+    """
+
+    def __init__(self, folder: pathlib.Path, words: list[str]) -> None:
+        from lte._training import steps
+        self.folder = folder
+        self.model = folder / "model.safetensors"  #: for Model.load(), once there was a checkpoint
+        self._steps = steps(folder, words)
+
+    def __iter__(self) -> Training:
+        return self
+
+    def __next__(self) -> tuple[int, float]:
+        return next(self._steps)
+
+    def __enter__(self) -> Training:
+        return self
+
+    def __exit__(self, *problem: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._steps.close()
+
+
+def train(config: Path, *, data: Path | None = None, out: Path | None = None,
+          steps: int | None = None, set: dict[str, object] | None = None, resume: bool = False,
+          seed: int | None = None, device: Literal["cpu", "cuda"] = "cpu") -> Training:
+    """Trains as `lte_train` does, and yields (step, loss) where its log has a line.
+
+    `data` is a folder of generate_dataset(); `data`, `steps` and `set` override keys of the
+    config; `out` is the run's folder. The key train.log_every is the steps between lines. Needs
+    lte[torch]. Raises lte.Error, as the tool's line, for what cannot be trained.
+    """
+    from lte._training import output_folder
+    words = ["--config", path_text(config), "--device", choice("device", device, "cpu", "cuda")]
+    keys: dict[str, object] = {} if data is None else {"data.root": path_text(data)}
+    if steps is not None:
+        keys["train.steps"] = whole("steps", steps, 1, 1 << 40)
+    for key, value in {**keys, **(set or {})}.items():
+        words += ["--set", f"{key}={value}"]
+    if seed is not None:
+        words += ["--seed", str(_seed(seed))]
+    if out is not None:
+        words += ["--out", path_text(out)]
+    folder = output_folder(words)
+    return Training(folder, [*words, "--resume"] if resume else words)
 
 
 def set_threads(count: int) -> None:

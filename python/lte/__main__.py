@@ -5,6 +5,7 @@ import pathlib
 import sys
 
 from lte._lte import run_command
+from lte._torch import Torch
 
 FOLDER = pathlib.Path(__file__).parent
 
@@ -12,7 +13,9 @@ FOLDER = pathlib.Path(__file__).parent
 def main() -> int:
     os.environ.setdefault("LTE_VIEW_PAGE", str(FOLDER / "view"))
     os.environ.setdefault("LTE_ASSETS", str(FOLDER))
-    return int(run_command(["lte", *sys.argv[1:]]))
+    torch = Torch()
+    os.environ.update(torch.environment)
+    return int(run_command(["lte", *sys.argv[1:]], torch.program, torch.advice))
 
 
 if __name__ == "__main__":
