@@ -97,6 +97,15 @@ function(lte_add_tool name source)
   set_property(GLOBAL APPEND PROPERTY LTE_TOOLS ${name})
 endfunction()
 
+# lte_use_first_versions(TARGET): what a wheel has, for older systems than this one.
+function(lte_use_first_versions target)
+  set(source ${PROJECT_SOURCE_DIR}/python/src/first_versions.cpp)
+  target_sources(${target} PRIVATE ${source})
+  set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  target_link_options(${target} PRIVATE -Wl,--wrap=hypot,--wrap=hypotf
+    -Wl,--wrap=_ZNSt18condition_variable4waitERSt11unique_lockISt5mutexE)
+endfunction()
+
 # lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...] [PCH TARGET] [OWN_WAITING]): one executable
 # and one ctest entry a folder. PCH names another precompiled header than that of tests, NONE for
 # one of its own. Threads of OpenMP wait as in the tools, but with OWN_WAITING.

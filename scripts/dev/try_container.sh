@@ -3,19 +3,15 @@
 # images are made by mmdebstrap from where this system has its packages. Then renders the demo in the
 # container, which must be the build's own picture.
 #
-# usage: scripts/dev/try_container.sh [--setup]
-#
-# --setup  also builds the image that the sources are developed in (fetches what setup.sh does)
+# usage: scripts/dev/try_container.sh
 #
 # Needs root, and buildah and mmdebstrap, which it installs. Images and files lie in a folder that
 # goes with the script.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-setup=
 case "${1:-}" in
   "") ;;
-  --setup) setup=1 ;;
-  --help | -h) sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+  --help | -h) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
   *) echo "try_container: unknown argument $1; see --help" >&2; exit 2 ;;
 esac
 fail() { echo "try_container: $*" >&2; exit 1; }
@@ -30,8 +26,8 @@ done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/images" "$work/run"
-export STORAGE_DRIVER=vfs BUILDAH_ISOLATION=chroot
-in_store() { buildah --root "$work/images" --runroot "$work/run" "$@"; }
+export BUILDAH_ISOLATION=chroot
+in_store() { buildah --storage-driver vfs --root "$work/images" --runroot "$work/run" "$@"; }
 base=$(in_store from scratch)
 mmdebstrap --quiet --variant=apt --include=ca-certificates --format=tar bookworm - \
   $(ls /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | grep -E '\.(list|sources)$') |
@@ -49,8 +45,3 @@ box=$(in_store from lte)
 in_store run "$box" -- lte "${demo[@]}" /work/room.png
 cmp "$(in_store mount "$box")/work/room.png" "$work/own.png" || fail "not the build's own picture"
 echo "try_container: its demo is the build's own picture"
-[ -n "$setup" ] || exit 0
-in_store build -q --network host --target setup -t lte-setup . >"$work/log" 2>&1 ||
-  { cat "$work/log"; fail "buildah build --target setup"; }
-box=$(in_store from lte-setup)
-in_store run "$box" -- sh -c 'cmake --version && ls .venv/lte-torch-*'

@@ -64,7 +64,7 @@ add_licenses() {  # BINARY UNPACKED TOOLS
     printf '%s\n' libboost1.74-dev libcli11-dev libdraco-dev libflann-dev libstb-dev nlohmann-json3-dev
     for library in $(ldd "$1" | awk '/=> \//{print $3}'); do
       name=$(basename "$library")
-      compgen -G "$2/*.libs/${name%%.so*}[-.]*" >/dev/null || continue
+      [[ $name != liblte_* ]] && compgen -G "$2/*.libs/${name%%.so*}[-.]*" >/dev/null || continue
       dpkg -S "$(readlink -f "$library")" | cut -d: -f1
     done
   } | sort -u | while read -r package; do
