@@ -8,7 +8,6 @@
 
 #include "infer/bake/bake_parts.h"
 #include "infer/bake/bake_scene.h"
-#include "lte/bake/formats/formats.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
@@ -22,9 +21,12 @@ namespace {
 
 void check_usage(const BakeRequest& r) {
   check_light_used(r, {"records"});
+  const char* const vertex = first_set(r.keys, {"bend", "max_triangles"});
+  LTE_CHECK(vertex == nullptr || r.format == "vertex-colors", "--set ", vertex,
+            " goes with --format vertex-colors");
   LTE_CHECK(!r.by_light || !r.needs_network(),
             "--by-light goes with --integrator gather or path, not network");
-  LTE_CHECK(r.three.empty() == (r.format != "three"),
+  LTE_CHECK(r.files.three.empty() == (r.format != "three"),
             "--format three and --three FILE, three.js as an ES module, go together");
   const char* const whole = first_given(*r.flags, {"--resume", "--shard"});
   LTE_CHECK(whole == nullptr || (r.time.empty() && r.error <= 0), whole,
@@ -111,10 +113,11 @@ void add_bake_options(CLI::App& app, BakeRequest* r) {
       ->excludes(density);
   add_light_options(app, r);
   app.add_option("--format", r->format,
-                 "What is written. gltf: EXR, JSON, a GLB with MOZ_lightmap and an unlit GLB")
+                 "What is written. gltf: EXR, JSON, a GLB with MOZ_lightmap and an unlit GLB; "
+                 "vertex-colors: a GLB with the light in COLOR_0 and no picture")
       ->check(CLI::IsMember(formats))
       ->capture_default_str();
-  app.add_option("--three", r->three, "With --format three: three.js as an ES module")
+  app.add_option("--three", r->files.three, "With --format three: three.js as an ES module")
       ->check(CLI::ExistingFile);
   app.add_option("--probes", r->probes, "Probes of a grid, too: auto or NXxNYxNZ");
   app.add_flag("--resume", r->resume,
@@ -129,6 +132,11 @@ void add_bake_options(CLI::App& app, BakeRequest* r) {
   r->keys.add("keep_uvs", &r->atlas.keep_uvs,
               "take TEXCOORD_1 as it is, or fail; off: where it overlaps or is missing, charts are "
               "made");
+  r->keys.add("bend", &r->files.vertex.bend, 1e-3, 10,
+              "of vertex-colors: triangles are cut until linear interpolation is off by less than "
+              "this share of the light");
+  r->keys.add("max_triangles", &r->files.vertex.max_triangles, 1, int64_t{1} << 28,
+              "of vertex-colors: triangles at most");
   app.add_flag("--validate-only", r->validate_only, "Check scene, atlas and flags, and stop");
   add_tool_flags(app, r);
 }
@@ -137,7 +145,7 @@ void run_bake(const BakeRequest& request) {
   check_usage(request);
   CommandFiles files;
   claim_light_files(request, &files);
-  files.reads("--three", request.three);
+  files.reads("--three", request.files.three);
   files.check();
   apply_tool_options(request.tool);
   check_writable(request.tool.common.json);
@@ -149,7 +157,7 @@ void run_bake(const BakeRequest& request) {
   files.check_what_was_read();
   const std::optional<BakedScene> baked = bake_scene(request, &renderer);
   if (!baked) return;
-  write_baked(*baked, request.format, request.three, request.out);
+  write_baked(*baked, request.format, request.files, request.out);
   BakeParts(request.out, {}).remove(baked->shards);
   say(request, baked->map, baked->seam_p99);
 }

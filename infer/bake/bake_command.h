@@ -6,6 +6,7 @@
 
 #include "infer/renderer/light_request.h"
 #include "lte/bake/atlas.h"
+#include "lte/bake/formats/formats.h"
 #include "lte/bake/light.h"
 
 namespace lte::infer {
@@ -20,8 +21,8 @@ struct BakeRequest : LightRequest {
   double error = 0;  ///< relative, of indirect light; 0: none
   bool by_light = false;
   bake::AtlasOptions atlas;
-  std::filesystem::path three;
-  std::string probes;  ///< "", auto or NXxNYxNZ
+  bake::FormatOptions files;  ///< but for probes
+  std::string probes;         ///< "", auto or NXxNYxNZ
   bool resume = false;
   std::string shard;       ///< "2/4"; empty: the whole bake
   double keep_every = 10;  ///< seconds

@@ -11,7 +11,6 @@
 #include "infer/bake/bake_parts.h"
 #include "infer/renderer/made_with.h"
 #include "lte/bake/bake.h"
-#include "lte/bake/formats/formats.h"
 #include "lte/bake/formats/probe_files.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -135,8 +134,8 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
 }
 
 void write_baked(const BakedScene& baked, const std::string& format_name,
-                 const std::filesystem::path& three, const std::filesystem::path& folder) {
-  LTE_CHECK(three.empty() == (format_name != "three"),
+                 bake::FormatOptions options, const std::filesystem::path& folder) {
+  LTE_CHECK(options.three.empty() == (format_name != "three"),
             "the format three and the file three.js as an ES module go together");
   FileSet files(folder);
   const auto formats = bake::engine_formats();
@@ -146,8 +145,6 @@ void write_baked(const BakedScene& baked, const std::string& format_name,
   if (format == formats.end()) {
     write_gltf(baked.map, &files);
   } else {
-    bake::FormatOptions options;
-    options.three = three;
     options.probes = baked.probes ? &*baked.probes : nullptr;
     format->write(baked.map, options, &files);
   }

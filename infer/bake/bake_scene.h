@@ -7,6 +7,7 @@
 
 #include "infer/bake/bake_command.h"
 #include "infer/renderer/renderer.h"
+#include "lte/bake/formats/formats.h"
 #include "lte/bake/lightmap.h"
 #include "lte/bake/probes.h"
 
@@ -27,7 +28,8 @@ struct BakedScene {
 std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* renderer);
 
 /// Writes the files of a format, "gltf" or one of bake::engine_formats(), all or none.
-void write_baked(const BakedScene& baked, const std::string& format,
-                 const std::filesystem::path& three, const std::filesystem::path& folder);
+/// @param options  but for probes, which are the baked ones
+void write_baked(const BakedScene& baked, const std::string& format, bake::FormatOptions options,
+                 const std::filesystem::path& folder);
 
 }  // namespace lte::infer

@@ -29,6 +29,20 @@ std::string channel_name(std::string name) {
 
 }  // namespace
 
+Json to_json(const Provenance& p) {
+  return {{"source", p.source},
+          {"integrator", p.integrator},
+          {"model", p.model.empty() ? Json(nullptr) : Json(p.model)},
+          {"include", p.include},
+          {"version", p.version},
+          {"seed", p.seed},
+          {"seconds", p.seconds},
+          {"expected_error", p.expected_error},
+          {"texels_per_metre", p.texels_per_metre},
+          {"two_sided_texels", p.two_sided_texels},
+          {"metal_instances", p.metal_instances}};
+}
+
 std::vector<float> Lightmap::total() const {
   std::vector<float> out(3 * pixels());
   for (const Layer& layer : layers)
@@ -52,28 +66,17 @@ void write_lightmap_exr(const std::filesystem::path& path, const Lightmap& map) 
 
 void write_lightmap_json(const std::filesystem::path& path, const Lightmap& map,
                          const std::string& image, const std::string& units) {
-  const Provenance& p = map.provenance;
   std::array<int64_t, 4> counts{};
   for (const uint8_t texel : map.mask) ++counts[texel];
-  Json json{
+  Json json = to_json(map.provenance);
+  json.update(Json{
       {"schema_version", 1},
       {"image", image},
       {"size", {map.width, map.height}},
       {"units", units},
       {"uv", "TEXCOORD_1, v down, row 0 is the top"},
       {"texels",
-       {{"outside", counts[0]}, {"lit", counts[1]}, {"filled", counts[2]}, {"dark", counts[3]}}},
-      {"source", p.source},
-      {"integrator", p.integrator},
-      {"include", p.include},
-      {"version", p.version},
-      {"seed", p.seed},
-      {"seconds", p.seconds},
-      {"expected_error", p.expected_error},
-      {"texels_per_metre", p.texels_per_metre},
-      {"two_sided_texels", p.two_sided_texels},
-      {"metal_instances", p.metal_instances}};
-  json["model"] = p.model.empty() ? Json(nullptr) : Json(p.model);
+       {{"outside", counts[0]}, {"lit", counts[1]}, {"filled", counts[2]}, {"dark", counts[3]}}}});
   for (const Layer& layer : map.layers)
     json["layers"].push_back(
         {{"name", layer.name},

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "lte/base/math.h"
 #include "lte/scene/scene.h"
 
@@ -53,6 +55,9 @@ struct Provenance {
   int64_t metal_instances = 0;   ///< baked as matt
 };
 
+/// As records beside baked files have it.
+nlohmann::json to_json(const Provenance& provenance);
+
 struct Lightmap {
   int width = 0, height = 0;
   std::vector<Layer> layers;          ///< at least one
@@ -82,6 +87,10 @@ void write_lightmap_json(
     const std::filesystem::path& path, const Lightmap& map, const std::string& image,
     const std::string& units =
         "irradiance E in W/m^2, linear Rec.709; radiance of a surface: albedo E / pi");
+
+/// A value that all but a thousandth of those above 0 are at or below, for pictures of 8 bits; 1
+/// without any.
+float bright(std::vector<float> values);
 
 /// Writes map.scene with the light map on TEXCOORD_1 as MOZ_lightmap {index, texCoord: 1,
 /// intensity}. The picture is a PNG inside the file: E / (π `intensity`) on the sRGB curve, the

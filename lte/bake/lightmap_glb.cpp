@@ -18,15 +18,6 @@ namespace {
 /// Share of values that a picture of 8 bits shows without clipping.
 constexpr double kShown = 0.999;
 
-/// A value that all but kShown of those above 0 are at or below; 1 without any.
-float bright(std::vector<float> values) {
-  std::erase_if(values, [](float value) { return !(value > 0); });
-  if (values.empty()) return 1;
-  const auto at = static_cast<int64_t>(kShown * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
-
 /// Radiance as a texture of 8 bits on the sRGB curve.
 std::shared_ptr<const scene::Texture> texture_of(const Lightmap& map,
                                                  const std::vector<float>& radiance, float scale) {
@@ -79,6 +70,14 @@ void use_extension(nlohmann::json* json, const char* name) {
 }
 
 }  // namespace
+
+float bright(std::vector<float> values) {
+  std::erase_if(values, [](float value) { return !(value > 0); });
+  if (values.empty()) return 1;
+  const auto at = static_cast<int64_t>(kShown * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<size_t>(at)];
+}
 
 void write_lightmap_glb(const std::filesystem::path& path, const Lightmap& map) {
   std::vector<float> radiance = map.total();

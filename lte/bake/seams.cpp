@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "lte/bake/least_squares.h"
 #include "lte/base/random.h"
 
 namespace lte::bake {
@@ -14,10 +15,9 @@ namespace {
 constexpr float kSmoothEdge = 0.9f;
 /// Weights of least squares: of a seam, of a lit texel's own value, of a filled one's.
 constexpr double kSeam = 5000, kOwn = 1, kFilledOwn = 0.1;
-constexpr int kIterations = 60, kRounds = 3;
+constexpr int kRounds = 3;
 /// Solutions, each with the strengths that the light of the one before says.
 constexpr int kReweighings = 3;
-constexpr double kPrecision = 1e-5;
 /// Of the mean light along seams: differences of darker places count relative to that.
 constexpr double kUnseen = 0.01;
 
@@ -97,41 +97,7 @@ struct System {
   }
 };
 
-double product(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
-/// Conjugate gradients from `x`, which becomes the solution; the diagonal preconditions.
-/// @param fixed  [unknowns] not 0: stays as it is
-void solve(const System& system, const std::vector<double>& right,
-           const std::vector<uint8_t>& fixed, std::vector<double>* x) {
-  const auto scaled = [&](std::vector<double> values) {
-    for (size_t i = 0; i < values.size(); ++i)
-      values[i] = fixed[i] != 0 ? 0 : values[i] / system.diagonal[i];
-    return values;
-  };
-  std::vector<double> residual = system.times(*x);
-  for (size_t i = 0; i < residual.size(); ++i) residual[i] = right[i] - residual[i];
-  std::vector<double> direction = scaled(residual);
-  double square = product(residual, direction);
-  const double least = kPrecision * product(right, scaled(right));
-  for (int k = 0; k < kIterations && square > least; ++k) {
-    const std::vector<double> image = system.times(direction);
-    const double step = square / product(direction, image);
-    for (size_t i = 0; i < x->size(); ++i) {
-      (*x)[i] += step * direction[i];
-      residual[i] -= step * image[i];
-    }
-    const std::vector<double> next = scaled(residual);
-    const double before = square;
-    square = product(residual, next);
-    for (size_t i = 0; i < x->size(); ++i) direction[i] = next[i] + square / before * direction[i];
-  }
-}
-
-/// The same without values below 0: those become 0, and the others are solved for again.
+/// Solves without values below 0: those become 0, and the others are solved for again.
 void solve_nonnegative(const System& system, const std::vector<double>& right,
                        std::vector<double>* x) {
   std::vector<uint8_t> fixed(x->size());

@@ -101,10 +101,16 @@ class LightMap:
         self.expected_error: float = made.expected_error  #: relative
         self.texels_per_metre: float = made.texels_per_metre
 
-    def save(self, folder: Path, *, format: str = "gltf", three: Path = "") -> None:
-        """Writes the folder that lte_bake writes. The format three needs three.js, a file."""
+    def save(self, folder: Path, *, format: str = "gltf", three: Path = "", bend: float = 0.1,
+             max_triangles: int = 1_000_000) -> None:
+        """Writes the folder that lte_bake writes. The format three needs three.js, a file.
+
+        bend and max_triangles are of vertex-colors: triangles are cut until linear interpolation
+        is off by less than that share of the light, or there are so many.
+        """
         self._made.save(path_text(folder), choice("format", format, *_lte.bake_formats()),
-                        path_text(three))
+                        path_text(three), number("bend", bend, 1e-3, 10),
+                        whole("max_triangles", max_triangles, 1, 1 << 28))
 
 
 class Scene:

@@ -62,9 +62,12 @@ Baked bake_lightmap(const Scene& self, double texels_per_metre, int size, bool k
 }
 
 void save_baked(const Baked& self, const std::string& folder, const std::string& format,
-                const std::string& three) {
+                const std::string& three, double bend, int64_t max_triangles) {
   const nb::gil_scoped_release unlocked;
-  infer::write_baked(self, format, three, folder);
+  bake::FormatOptions options;
+  options.three = three;
+  options.vertex = {bend, max_triangles};
+  infer::write_baked(self, format, std::move(options), folder);
 }
 
 }  // namespace

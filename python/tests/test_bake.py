@@ -50,6 +50,18 @@ def test_probes_and_engines_are_saved(room, tmp_path):
     assert "lightmap.ktx2" in {p.name for p in (tmp_path / "bevy").iterdir()}
 
 
+def test_vertex_colors_are_the_file_of_lte_bake(room, room_file, tmp_path, tool):
+    tool("lte_bake", room_file, "--texels-per-metre", 8, "--quality", "draft", "--format",
+         "vertex-colors", "--set", "bend=0.3", "--out", tmp_path / "tool")
+    baked = lte.bake(room, texels_per_metre=8, quality="draft")
+    baked.save(tmp_path / "python", format="vertex-colors", bend=0.3)
+    made = (tmp_path / "python" / "scene.glb").read_bytes()
+    assert made == (tmp_path / "tool" / "scene.glb").read_bytes()
+    baked.save(tmp_path / "few", format="vertex-colors", bend=0.3, max_triangles=1)
+    few = lte.load(tmp_path / "few" / "scene.glb").triangles
+    assert few == room.triangles < lte.load(tmp_path / "python" / "scene.glb").triangles
+
+
 @pytest.mark.parametrize("options, words", [
     ({"size": 8}, "size: expected 16 to"), ({"texels_per_metre": 0}, "texels_per_metre: expected"),
     ({"texels_per_metre": 1e5}, "texels"), ({"quality": "best"}, "quality: expected draft"),

@@ -58,6 +58,7 @@ TEST(EngineFormats, EachHasSceneRecordAndTenLinesOfHelp) {
   std::vector<std::string> names;
   for (const Format& format : engine_formats()) {
     names.emplace_back(format.name);
+    if (format.name == "vertex-colors") continue;  // has no picture
     const auto out = folder / names.back();
     write(format.name, out, {three_module(folder)});
     const auto record = nlohmann::json::parse(read_file(out / "lightmap.json"));
@@ -74,7 +75,7 @@ TEST(EngineFormats, EachHasSceneRecordAndTenLinesOfHelp) {
     EXPECT_EQ(scene.meshes[2].uvs[1].size(), room_map().scene.meshes[2].uvs[1].size());
     EXPECT_EQ(scene.meshes[2].uvs[1][5].x, room_map().scene.meshes[2].uvs[1][5].x);
   }
-  EXPECT_THAT(names, ElementsAre("bevy", "blender", "godot", "three"));
+  EXPECT_THAT(names, ElementsAre("bevy", "blender", "godot", "three", "vertex-colors"));
 }
 
 TEST(EngineFormats, NodesHaveNamesThatNoImporterTakesForOrders) {

@@ -7,6 +7,7 @@
 
 #include "lte/bake/lightmap.h"
 #include "lte/bake/probes.h"
+#include "lte/bake/vertex_light.h"
 #include "lte/base/file_set.h"
 
 namespace lte::bake {
@@ -15,10 +16,11 @@ struct FormatOptions {
   /// An ES module that exports three.js (itself, or as THREE), GLTFLoader and OrbitControls.
   std::filesystem::path three;
   const ProbeVolume* probes = nullptr;  ///< of --probes; may be null
+  VertexOptions vertex{};               ///< of vertex-colors
 };
 
 /// One engine's files. Writers add them to a set, which the caller commits: scene.glb, the light
-/// map in the engine's form, and a README.txt that says how to use both.
+/// in the engine's form, and a README.txt that says how to use both.
 struct Format {
   std::string_view name;     ///< of --format
   std::string_view purpose;  ///< one line
@@ -37,5 +39,8 @@ void write_godot(const Lightmap& map, const FormatOptions& options, FileSet* fil
 void write_bevy(const Lightmap& map, const FormatOptions& options, FileSet* files);
 /// A script that opens the scene in Blender; E / π as EXR.
 void write_blender(const Lightmap& map, const FormatOptions& options, FileSet* files);
+/// A scene without a picture: light times the surface's own color in COLOR_0, which viewers
+/// multiply by the base color (KHR_materials_unlit), and E in _IRRADIANCE.
+void write_vertex_colors(const Lightmap& map, const FormatOptions& options, FileSet* files);
 
 }  // namespace lte::bake
