@@ -67,8 +67,7 @@ RefinedScene::RefinedScene(scene::Scene scene)
     const double sign = to_world.determinant() < 0 ? -1 : 1;
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto& corner = mesh.triangles[t];
-      const scene::AreaVector across =
-          scene::area_vector(scene::world_triangle(mesh, to_world, t));
+      const scene::AreaVector across = scene::area_vector(scene::world_triangle(mesh, to_world, t));
       const double norm = across.norm();
       const double by = norm > 0 ? sign / norm : 0;
       leaves_.push_back({i,

@@ -41,9 +41,9 @@ class RefinedScene {
 
   scene::Scene scene_;
   std::vector<Leaf> leaves_;
-  std::vector<Vec3> points_;                                        ///< world
-  std::unordered_map<uint64_t, uint32_t> middle_;                   ///< points, of halved edges
-  std::vector<std::unordered_map<uint64_t, uint32_t>> made_;        ///< vertices of an instance
+  std::vector<Vec3> points_;                                  ///< world
+  std::unordered_map<uint64_t, uint32_t> middle_;             ///< points, of halved edges
+  std::vector<std::unordered_map<uint64_t, uint32_t>> made_;  ///< vertices of an instance
 };
 
 }  // namespace lte::bake

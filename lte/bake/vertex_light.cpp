@@ -80,8 +80,8 @@ struct LeafSamples {
   LeafSamples(const Picture& picture, const scene::Mesh& mesh, const Leaf& leaf) {
     for (size_t k = 0; k < 3; ++k) corner[k] = picture.in_pixels(mesh.uvs[1][leaf.vertex[k]]);
     const Vec2 &a = corner[0], &b = corner[1], &c = corner[2];
-    area = 0.5 * std::abs(double{b.x - a.x} * double{c.y - a.y} -
-                          double{b.y - a.y} * double{c.x - a.x});
+    area = 0.5 *
+           std::abs(double{b.x - a.x} * double{c.y - a.y} - double{b.y - a.y} * double{c.x - a.x});
     along = std::clamp(static_cast<int>(std::ceil(std::sqrt(2 * area))), 1, kMostSamples);
   }
   float longest_edge() const {
@@ -240,7 +240,8 @@ Fit fit(const Picture& picture, const RefinedScene& refined) {
       const double together = kTogether * std::max(samples.area, kLeastArea) /
                               std::pow(system.leaf[t].mean + picture.darkest(), 2);
       for (size_t i = 0; i < 3; ++i)
-        for (size_t j = 0; j < 3; ++j) system.leaf[t].mass[i][j] += i == j ? 2 * together : -together;
+        for (size_t j = 0; j < 3; ++j)
+          system.leaf[t].mass[i][j] += i == j ? 2 * together : -together;
     }
   });
   const size_t count = out.knots.count;
@@ -315,14 +316,13 @@ std::vector<uint32_t> bent_leaves(const Picture& picture, const RefinedScene& re
   std::vector<double> off(leaves.size());
   parallel_for(static_cast<int64_t>(leaves.size()), kGrain, [&](int64_t begin, int64_t end) {
     for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t)
-      off[t] = bend_of(picture,
-                       {picture, refined.scene().meshes[leaves[t].instance], leaves[t]}, fit, t);
+      off[t] = bend_of(picture, {picture, refined.scene().meshes[leaves[t].instance], leaves[t]},
+                       fit, t);
   });
   std::vector<uint32_t> out;
   for (uint32_t t = 0; t < off.size(); ++t)
     if (off[t] > bend) out.push_back(t);
-  std::stable_sort(out.begin(), out.end(),
-                   [&](uint32_t a, uint32_t b) { return off[a] > off[b]; });
+  std::stable_sort(out.begin(), out.end(), [&](uint32_t a, uint32_t b) { return off[a] > off[b]; });
   return out;
 }
 

@@ -110,6 +110,11 @@ def main():
             {"type": "point", "intensity": 1, "at": (0.0004 * k, 1, 1)} for k in range(5000)])
         refused("5000 layers", "--by-light", "--set", "max_memory=200M", density=64)
 
+        # A probe in a block.
+        write_gltf(scene, [quad[::-1] for quad in CUBE],
+                   [{"type": "point", "intensity": 10, "at": (0.5, 3, 0.5)}], doubleSided=False)
+        refused("probes are in walls", "--probes", "1x1x1")
+
         # A triangle without area has no texels, and a line says so.
         write_gltf(scene, [QUAD, [(0, 1, 0), (1, 1, 0), (2, 1, 0), (3, 1, 0)]], LAMP)
         run = bake()

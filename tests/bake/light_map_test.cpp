@@ -311,6 +311,52 @@ TEST(TexelLight, OfTwoSidedSurfacesIsTheBrighter) {
   EXPECT_EQ(light.two_sided, static_cast<int64_t>(layout.texels.size()));
 }
 
+TEST(TexelLight, OfCoincidentSheetsIsThatOfTheirSide) {
+  const std::array<Vec3, 2> lamp{Vec3{0.3f, 1, 0.4f}, Vec3{0.6f, -1.5f, 0.7f}};
+  const std::array<float, 2> intensity{4, 1};
+  for (const bool opposite : {false, true}) {
+    for (const bool turned : {false, true}) {
+      scene::Scene scene;
+      const std::array<int, 2> material{test::add_material(&scene, {0.8f, 0.8f, 0.8f}),
+                                        test::add_material(&scene, {0.7f, 0.1f, 0.1f})};
+      const auto looks_down = [&](size_t i) { return (opposite && i == 1) != turned; };
+      for (size_t i = 0; i < 2; ++i) {
+        const Vec3 a{0, 0, 1}, b{1, 0, 0};
+        test::add_quad(&scene, {0, 0, 0}, looks_down(i) ? b : a, looks_down(i) ? a : b,
+                       material[i]);
+      }
+      for (size_t i = 0; i < 2; ++i)
+        test::add_point_light(&scene, lamp[i], Rgb{1, 1, 1} * intensity[i]);
+      const Traced traced(scene);
+      const Layout layout = make_layout(scene, density(16));
+      const auto gather = render::make_gather(traced.get(), {});
+      gather->prepare();
+      LightOptions options;
+      options.direct = true;
+      options.light_samples = 32;
+      for (const bool by_paths : {false, true}) {
+        const TexelLight light =
+            by_paths ? path_light(traced, layout, 8, 32)
+                     : light_texels(traced.get(), *gather, layout.atlas, layout.texels, options);
+        EXPECT_EQ(std::count(light.back.begin(), light.back.end(), 1), 0);
+        EXPECT_EQ(light.two_sided, 0);
+        int64_t near = 0;
+        for (size_t i = 0; i < layout.texels.size(); ++i) {
+          const Fragment& f = layout.texels.fragments[layout.texels.first[i]];
+          const size_t side = looks_down(static_cast<size_t>(f.instance)) ? 1 : 0;
+          const Vec3 way = lamp[side] - layout.texels.position[i];
+          const float want = intensity[side] * std::abs(way.y) / std::pow(dot(way, way), 1.5f);
+          EXPECT_EQ(light.dark[i], 0);
+          const float off = std::abs(light.irradiance[i].x - want) / want;
+          EXPECT_LT(off, 0.3f);  // a lamp of the other side is off by more than a half
+          near += off < 0.1f ? 1 : 0;
+        }
+        EXPECT_GT(static_cast<double>(near), 0.95 * static_cast<double>(layout.texels.size()));
+      }
+    }
+  }
+}
+
 TEST(TexelLight, GoesOnAndJoinsToTheSameBytes) {
   const scene::Scene scene = test::furnished_room();
   const Traced traced(scene);

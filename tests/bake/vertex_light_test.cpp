@@ -278,8 +278,8 @@ TEST(VertexColorsFormat, ShowsLightTimesTheColorOfTheSurface) {
     ASSERT_EQ(mesh.colors.size(), mesh.positions.size());
     const scene::Material& material =
         map.scene.materials[static_cast<size_t>(map.scene.meshes[i].material)];
-    const auto unlit = glb.json["materials"][glb.json["meshes"][i]["primitives"][0]["material"]
-                                                 .get<size_t>()];
+    const auto unlit =
+        glb.json["materials"][glb.json["meshes"][i]["primitives"][0]["material"].get<size_t>()];
     EXPECT_TRUE(unlit["extensions"].contains("KHR_materials_unlit"));
     for (size_t k = 0; k < color.size(); ++k) {
       const auto c = static_cast<int>(k % 3);

@@ -15,7 +15,8 @@
 namespace lte::bake {
 namespace {
 
-constexpr const char* kReadme = R"(Light of {{source}} at the vertices of scene.glb, without a picture.
+constexpr const char* kReadme =
+    R"(Light of {{source}} at the vertices of scene.glb, without a picture.
 
 Every viewer shows it: materials are unlit (KHR_materials_unlit), and COLOR_0 times the base color
 is the light that leaves the surface. COLOR_0 is the mesh's own color times E / pi, linear, over
@@ -87,9 +88,8 @@ void write_vertex_colors(const Lightmap& map, const FormatOptions& options, File
   log_info("vertices: ", light.triangles_before, " triangles cut into ", light.triangles,
            ", light off by ", 100 * light.off_p95, " % or less on 95 % of the surface",
            light.limited ? "; max_triangles kept it from more" : "");
-  files->write("scene.glb", [&](const std::filesystem::path& path) {
-    write_scene(path, light, intensity);
-  });
+  files->write("scene.glb",
+               [&](const std::filesystem::path& path) { write_scene(path, light, intensity); });
   int64_t vertices = 0;
   for (const std::vector<Rgb>& values : light.irradiance)
     vertices += static_cast<int64_t>(values.size());
