@@ -101,8 +101,10 @@ class Bake {
     ++step_;
     if (!options_.progress) return;
     const int steps = passes_for(options_.passes) + passes_for(options_.path_passes) + kOtherSteps;
-    options_.progress(std::min(
-        1.0, std::max(timer_.seconds() / options_.seconds, static_cast<double>(step_) / steps)));
+    // Rates, once they are known, make the steps more.
+    share_ = std::max(share_, std::min(1.0, std::max(timer_.seconds() / options_.seconds,
+                                                     static_cast<double>(step_) / steps)));
+    options_.progress(share_);
   }
 
   /// Passes after which texels have had `count` in the mean.
@@ -188,6 +190,7 @@ class Bake {
   std::vector<uint32_t> lit_;  ///< texels that passes are over: all, then those that are not dark
   std::optional<TexelGraph> graph_;
   int step_ = 0;
+  double share_ = 0;  ///< of the work, as progress was last given
   double mean_rate_ = 1;
   double last_pass_s_ = 0;
 };
@@ -287,6 +290,7 @@ TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texe
   for (const uint32_t i : lit_texels(state)) out.irradiance[i] = (light[0][i] + light[1][i]) * 0.5f;
   out.dark = std::move(state.dark);
   out.back = std::move(state.back);
+  if (options.progress) options.progress(1);
   return out;
 }
 

@@ -69,7 +69,7 @@ struct LightOptions {
   double error = 0;           ///< passes end at this relative_error() of indirect light; 0: none
   uint64_t seed = 0;
   const Sides* sides = nullptr;  ///< those to bake, as of all light; null: those that light reaches
-  std::function<void(double share)> progress;  ///< of the work, [0, 1]; may be empty
+  std::function<void(double share)> progress;  ///< of the work, (0, 1], ascending; may be empty
   /// All texels have the first two passes, which tell sides and darkness; later ones are the
   /// shard's. With `seconds` or `error` there is one.
   Shard shard = {};

@@ -18,7 +18,7 @@ import time
 def main():
     tool, scene = sys.argv[1:3]
     kills = int(sys.argv[3]) if len(sys.argv) > 3 else 20
-    common = [tool, scene, "--texels-per-metre", "40", "--quality", "final", "--threads", "1",
+    common = [tool, scene, "--texels-per-metre", "32", "--quality", "final", "--threads", "1",
               "--quiet", "--set", "keep_every=0"]
 
     def bake(out, *flags, **options):

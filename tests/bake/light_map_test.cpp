@@ -371,6 +371,8 @@ TEST(TexelLight, GoesOnAndJoinsToTheSameBytes) {
   options.direct = true;
   std::vector<LightState> kept;
   options.keep = [&](const LightState& state) { kept.push_back(state); };
+  std::vector<double> shares;
+  options.progress = [&](double share) { shares.push_back(share); };
   const auto sampled = [&](const LightOptions& with) {
     return sample_texels(traced.get(), *gather, layout.atlas, layout.texels, with);
   };
@@ -379,6 +381,10 @@ TEST(TexelLight, GoesOnAndJoinsToTheSameBytes) {
   };
   const TexelLight whole = light(sampled(options));
   ASSERT_GE(kept.size(), 4u);
+  EXPECT_GT(shares.size(), 8u);
+  EXPECT_GT(shares.front(), 0);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1);
   LightOptions rest = options;
   rest.keep = {};
   for (const LightState& state : kept) {
