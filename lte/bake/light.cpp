@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "lte/bake/rates.h"
@@ -27,9 +27,14 @@ constexpr int kPathsAPass = 2;
 /// Passes after which the error is looked at for the first time, and whenever they have doubled.
 constexpr int kFirstLook = 8;
 
-TexelGraph graph_of(const pathtrace::Bvh& bvh, const Texels& texels, const LightState& state) {
-  const std::vector<Vec3> normals = turned_normals(texels, state.back);
-  return {bvh, {texels.position, normals, texels.edge, state.dark}};
+/// The graph of a state, which has it afterwards.
+const TexelGraph& graph_of(const pathtrace::Bvh& bvh, const Texels& texels, LightState* state) {
+  if (!state->graph) {
+    const std::vector<Vec3> normals = turned_normals(texels, state->back);
+    state->graph = std::make_shared<const TexelGraph>(
+        bvh, GraphPlaces{texels.position, normals, texels.edge, state->dark});
+  }
+  return *state->graph;
 }
 
 /// The texels that light reaches.
@@ -150,17 +155,17 @@ class Bake {
     find_darkness(scene_.bvh, atlas_, texels_, turned_normals(texels_, state_.back), options_,
                   &state_);
     done();
-    graph_.emplace(graph_of(scene_.bvh, texels_, state_));
-    state_.rate = sampling_rates(
-        *graph_, state_.samples.means(state_.samples.indirect, state_.rate), state_.dark);
+    state_.rate =
+        sampling_rates(graph_of(scene_.bvh, texels_, &state_),
+                       state_.samples.means(state_.samples.indirect, state_.rate), state_.dark);
     done();
     if (options_.keep) options_.keep(state_);
   }
 
   /// Whether light is known well enough.
   bool is_even() {
-    if (!graph_) graph_.emplace(graph_of(scene_.bvh, texels_, state_));
-    return relative_error(indirect_of(*graph_, state_)) <= options_.error;
+    const TexelGraph& graph = graph_of(scene_.bvh, texels_, &state_);
+    return relative_error(indirect_of(graph, state_)) <= options_.error;
   }
 
   /// Passes two by two, until texels have had `count` in the mean. The error is looked at when
@@ -188,7 +193,6 @@ class Bake {
   TexelSampler sampler_;
   LightState state_;
   std::vector<uint32_t> lit_;  ///< texels that passes are over: all, then those that are not dark
-  std::optional<TexelGraph> graph_;
   int step_ = 0;
   double share_ = 0;  ///< of the work, as progress was last given
   double mean_rate_ = 1;
@@ -273,7 +277,7 @@ LightState joined(const std::vector<LightState>& shards) {
 
 TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texels& texels,
                     const LightOptions& options, LightState state) {
-  const TexelGraph graph = graph_of(bvh, texels, state);
+  const TexelGraph& graph = graph_of(bvh, texels, &state);
   const bool by_paths = method == render::Method::Path;
   TexelLight out;
   out.irradiance.resize(texels.size());

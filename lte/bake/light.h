@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,8 @@ struct LightState {
   std::vector<uint8_t> rate;        ///< [texels] sampling_rates(), of passes after the first two
   int64_t two_sided = 0;
   TexelSamples samples, paths;
+  /// Neighbours on these sides, of texels that are not dark. Null where the state was read.
+  std::shared_ptr<const TexelGraph> graph;
 };
 
 /// Which side of each chart is baked.

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "lte/bake/least_squares.h"
-#include "lte/base/random.h"
+#include "lte/base/parallel_each.h"
 
 namespace lte::bake {
 namespace {
@@ -201,11 +201,11 @@ void join_seams(const std::vector<SeamPlace>& seams, const std::vector<uint8_t>&
         system.diagonal[system.column[s][k]] +=
             system.strength[s] * std::pow(double{seams[s].weight[k]}, 2);
     }
-    for (size_t c = 0; c < 3; ++c) {
+    parallel_each(3, 1, [&](size_t c) {
       solve_nonnegative(system, right[c], &x[c]);
       for (size_t i = 0; i < x[c].size(); ++i)
         (*irradiance)[3 * system.pixel[i] + c] = static_cast<float>(x[c][i]);
-    }
+    });
     if (round + 1 == kReweighings) return;
     // A bright side that has come down to a dark one is as dark there.
     double unused = 0;

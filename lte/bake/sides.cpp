@@ -198,11 +198,12 @@ void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& 
   const std::vector<uint8_t> also = reached(rest, 0);
   for (size_t k = 0; k < rest.size(); ++k) state->dark[rest[k]] = also[k] == 0 ? 1 : 0;
   // Things cover parts of the texels at their edges.
-  const std::vector<size_t> border = dark_beside_lit(atlas, texels, state->dark);
+  std::vector<size_t> border = dark_beside_lit(atlas, texels, state->dark);
   for (uint64_t place = 1; place < kReachPlaces; ++place) {
     const std::vector<uint8_t> here = reached(border, place);
     for (size_t k = 0; k < border.size(); ++k)
       if (here[k] != 0) state->dark[border[k]] = 0;
+    std::erase_if(border, [&](size_t i) { return state->dark[i] == 0; });
   }
 }
 

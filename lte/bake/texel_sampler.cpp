@@ -11,6 +11,8 @@ namespace lte::bake {
 namespace {
 
 constexpr uint64_t kPlaces = 81;
+/// Of so many blocks a thread, none waits long for the last ones.
+constexpr size_t kBlocksAThread = 8;
 
 }  // namespace
 
@@ -63,16 +65,18 @@ void TexelSampler::pass(const render::Integrator& integrator, std::span<const ui
                         int number, TexelSamples* samples, std::span<const uint8_t> rate,
                         Shard shard) const {
   const auto half = static_cast<size_t>(number) % 2;
-  render::PointSampling one = sampling;
-  one.seed =
+  render::PointSampling all = sampling;
+  all.seed =
       hash_combine(hash_combine(options_.seed, sampling.seed), static_cast<uint64_t>(number));
-  for (size_t begin = 0; begin < which.size(); begin += kShardBlock) {
-    if (!shard.has(begin)) continue;
+  const auto sample_block = [&](size_t begin) {
+    if (!shard.has(begin)) return;
+    render::PointSampling one = all;
     std::vector<uint32_t> block;
     for (const uint32_t i : which.subspan(begin, std::min(kShardBlock, which.size() - begin))) {
       if (rate.empty() || passes_of(rate[i], number / 2 + 1) > passes_of(rate[i], number / 2))
         block.push_back(i);
     }
+    if (block.empty()) return;
     std::vector<Vec3> position(block.size()), normal(block.size());
     parallel_for(static_cast<int64_t>(block.size()), 512, [&](int64_t first, int64_t end) {
       for (auto i = static_cast<size_t>(first); i < static_cast<size_t>(end); ++i) {
@@ -88,6 +92,15 @@ void TexelSampler::pass(const render::Integrator& integrator, std::span<const ui
       samples->indirect[half][block[i]] += found.indirect[i];
       if (!found.direct.empty()) samples->direct[half][block[i]] += found.direct[i];
     }
+  };
+  // Threads take whole blocks where there are enough: many have few texels in a late pass.
+  const size_t blocks = (which.size() + kShardBlock - 1) / kShardBlock;
+  if (blocks >= kBlocksAThread * static_cast<size_t>(num_threads())) {
+    parallel_for(static_cast<int64_t>(blocks), 1, [&](int64_t begin, int64_t) {
+      sample_block(static_cast<size_t>(begin) * kShardBlock);
+    });
+  } else {
+    for (size_t k = 0; k < blocks; ++k) sample_block(k * kShardBlock);
   }
   ++samples->passes[half];
 }
