@@ -12,10 +12,11 @@ namespace lte::bench {
 
 struct BakeTableRequest {
   std::vector<std::string> scenes;
-  int size = 600;       ///< edge of the atlas, some 70 % of which are texels
+  int texels = 256000;
   int measured = 5000;  ///< texels that a reference knows
   int reference_paths = 2048;
   std::string checkpoint;  ///< of the row "network"; empty: the shipped model
+  std::string cycles;      ///< a Python that has bpy; empty: no such row
   uint64_t seed = 1;
   SceneFlags loading;
 };
