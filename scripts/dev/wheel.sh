@@ -144,7 +144,7 @@ make_torch_wheel() {  # sets `wheel`
   mkdir -p "$out/raw" "$out/unpacked"
   pip wheel -q --disable-pip-version-check ./python/lte-torch --no-deps --no-build-isolation \
     --config-settings build-dir="$root/build-wheel-torch" -w "$out/raw"
-  repair --exclude 'libtorch*' --exclude 'libc10*'
+  repair --exclude 'libtorch*' --exclude 'libc10*' --exclude 'libgomp*'  # all of them LibTorch's
   unpacked=$(echo "$out"/unpacked/lte_torch-*)
   program=$unpacked/lte_torch/bin/lte
   patchelf --force-rpath --set-rpath \
