@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes what a release consists of, in out/release: Debian packages lte, lte-dev and lte-models, an
-# archive of them, the Python wheels, the changelog's part, and SHA256SUMS. The wheel lte-torch
-# alone has training. LTE_MAINTAINER="Name <address>" is the packages' maintainer, by default git's user.
+# archive of them, the Python wheels, the changelog's part, and SHA256SUMS. Training is in the wheel
+# lte-torch. LTE_MAINTAINER="Name <address>" is the packages' maintainer, by default git's user.
 #
 # usage: scripts/release.sh [--no-wheel]
 set -euo pipefail

@@ -22,8 +22,8 @@ class Torch:
         if folder is None or version is None:
             self.advice = f"torch is not installed: pip install 'torch=={lte_torch.torch}.*'"
         elif version.split(".")[:2] != lte_torch.torch.split("."):
-            self.advice = (f"lte-torch is built for torch {lte_torch.torch}, and torch {version} is "
-                           f"installed: pip install 'torch=={lte_torch.torch}.*'")
+            self.advice = (f"lte-torch is built for torch {lte_torch.torch}, and torch {version} "
+                           f"is installed: pip install 'torch=={lte_torch.torch}.*'")
         else:
             self.program = str(lte_torch.program)
             # Wherever each was installed; the wheel of lte has Embree and others.

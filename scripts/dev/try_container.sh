@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the Containerfile with buildah, without a daemon and without a registry: its two base
-# images are made by mmdebstrap from where this system has its packages. Then renders the demo in the
-# container, which must be the build's own picture.
+# images are made by mmdebstrap from where this system has its packages. Then renders the demo in
+# the container, which must be the build's own picture.
 #
 # usage: scripts/dev/try_container.sh
 #

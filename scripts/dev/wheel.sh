@@ -136,8 +136,8 @@ pack() {  # sets `wheel`
   wheel=$(ls -t "$out"/*.whl | head -1)
 }
 
-# The program of lte-torch, for any Python. LibTorch, and what the wheel of lte carries too, it finds
-# in the folders beside its own, or where the package lte says they are.
+# The program of lte-torch, for any Python. LibTorch, and what the wheel of lte carries too, it
+# finds in the folders beside its own, or where the package lte says they are.
 make_torch_wheel() {  # sets `wheel`
   local library program
   rm -rf "$out/raw" "$out/unpacked"
