@@ -25,12 +25,13 @@ if TYPE_CHECKING:  # NumPy is imported where there is work for it
     from numpy.typing import ArrayLike, NDArray
 
     from lte._arrays import Floats
+    from lte._viewing import View
 
 __version__: str = _lte.__version__
 __all__ = ["Camera", "Embedding", "Error", "Light", "LightMap", "Model", "Picture", "Scene",
            "Training", "bake", "configs", "from_blender", "from_mitsuba", "from_usd",
            "generate_dataset", "generate_scene", "irradiance", "living_room", "load", "render",
-           "set_threads", "set_verbose", "threads", "to_mitsuba", "trace", "train"]
+           "set_threads", "set_verbose", "threads", "to_mitsuba", "trace", "train", "view"]
 
 Integrator: TypeAlias = Literal["gather", "network", "path"]
 
@@ -365,6 +366,12 @@ def bake(scene: Scene, *, texels_per_metre: float = 32, size: int | None = None,
         0 if time is None else number("time", time, 1e-6, 1e9),
         0 if error is None else number("error", error, 1e-6, 1e6), str(probes), _depth(depth),
         _seed(seed)))
+
+
+def view(scene: Scene) -> View:
+    """Serves the page of lte_view: `with lte.view(scene) as page: print(page.url)`."""
+    from lte._viewing import View
+    return View(_checked(scene))
 
 
 def generate_scene(generator: Literal["boxes", "homes", "wild"] = "homes", *,

@@ -5,6 +5,8 @@ import subprocess
 import sys
 import urllib.request
 
+import pytest
+
 import lte
 
 LTE = [sys.executable, "-m", "lte"]
@@ -94,3 +96,13 @@ def test_view_serves_its_page(room_file):
     view.send_signal(signal.SIGINT)
     view.stdout.read()
     assert view.wait(timeout=20) in (0, 130, -signal.SIGINT)
+
+
+def test_a_scene_is_viewed_while_its_page_is_open(room):
+    with lte.view(room) as page:
+        with urllib.request.urlopen(page.url, timeout=20) as served:
+            assert b"<html" in served.read()
+    with pytest.raises(OSError):
+        urllib.request.urlopen(page.url, timeout=5)
+    with pytest.raises(TypeError, match="scene: expected lte.Scene"):
+        lte.view("room.glb")
