@@ -9,7 +9,7 @@ import signal
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from typing import Any
 
 from lte._lte import Error
@@ -37,7 +37,7 @@ def output_folder(words: list[str]) -> pathlib.Path:
     raise Error("train: the configuration names no output: out= does")
 
 
-def steps(folder: pathlib.Path, words: list[str]) -> Iterator[tuple[int, float]]:
+def steps(folder: pathlib.Path, words: list[str]) -> Generator[tuple[int, float], None, None]:
     """Runs, and yields what log.jsonl says of training. Ends the run when it is closed."""
     log = _Log(folder / "log.jsonl")
     line, environment = command(words)
