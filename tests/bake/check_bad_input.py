@@ -92,6 +92,7 @@ def main():
 
         refused("has no TEXCOORD_1", "--set", "keep_uvs=on")
         refused("more than 16384", density=20000)
+        refused("bend goes with --format vertex-colors", "--set", "bend=0.1")
         refused("light map", "--set", "max_memory=200M", density=2000)
         write_gltf(scene, [QUAD, [(x, 1, z) for x, _, z in QUAD]], LAMP,
                    uv1=[(0, 0), (1, 0), (1, 1), (0, 1)])
