@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lte/bake/seams.h"
+
 namespace lte::bench {
 namespace {
 
