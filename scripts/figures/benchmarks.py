@@ -71,9 +71,12 @@ def markdown(table, file):
     checked = not any("microbench" in command for command in file["commands"])
     lines.append("```sh no-run" if checked else "```text")
     lines += [line for command in file["commands"] for line in wrapped(command)] + ["```"]
-    rows = [[number(field(row, key)) for _, key in table.columns] for row in file["rows"]]
-    lines += ["", f"| {' | '.join(head for head, _ in table.columns)} |",
-              "|---|" + "---:|" * (len(table.columns) - 1)]
+    # A column that no row has is of a command that has not run.
+    columns = [(head, key) for head, key in table.columns
+               if any(field(row, key) is not None for row in file["rows"])]
+    rows = [[number(field(row, key)) for _, key in columns] for row in file["rows"]]
+    lines += ["", f"| {' | '.join(head for head, _ in columns)} |",
+              "|---|" + "---:|" * (len(columns) - 1)]
     lines += [f"| {' | '.join(row)} |" for row in rows]
     return "\n".join(lines)
 
