@@ -30,8 +30,9 @@ if TYPE_CHECKING:  # NumPy is imported where there is work for it
 __version__: str = _lte.__version__
 __all__ = ["Camera", "Embedding", "Error", "Light", "LightMap", "Model", "Picture", "Scene",
            "Training", "bake", "configs", "from_blender", "from_mitsuba", "from_usd",
-           "generate_dataset", "generate_scene", "irradiance", "living_room", "load", "render",
-           "set_threads", "set_verbose", "threads", "to_mitsuba", "trace", "train", "view"]
+           "generate_dataset", "generate_scene", "irradiance", "living_room", "load", "read_sample",
+           "render", "set_threads", "set_verbose", "threads", "to_mitsuba", "trace", "train",
+           "view"]
 
 Integrator: TypeAlias = Literal["gather", "network", "path"]
 
@@ -158,7 +159,10 @@ class Scene:
 
     def save(self, path: Path) -> None:
         """Writes the scene as a .glb."""
-        self._made.save(path_text(path))
+        file = path_text(path)
+        if not file.endswith(".glb"):
+            raise ValueError(f"path: expected a .glb, got {file}")
+        self._made.save(file)
 
 
 class Model:
@@ -389,6 +393,14 @@ def generate_dataset(config: Path, out: Path, *, set: dict[str, object] | None =
     """
     overrides = [f"{key}={value}" for key, value in (set or {}).items()]
     return dict(_lte.generate_dataset(path_text(config), path_text(out), overrides, bool(resume)))
+
+
+def read_sample(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays of one scene of a data set, as docs/dataset.md has them.
+
+    Raises lte.Error, which names the file, if it is missing, damaged, or no safetensors.
+    """
+    return dict(_lte.read_sample(path_text(path)))
 
 
 class Training:

@@ -9,6 +9,7 @@
 
 #include "datagen/dataset/generate.h"
 #include "lte/base/log.h"
+#include "lte/base/safetensors.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/cli/scene_source.h"
 #include "lte/pathtrace/reach/lost_light.h"
@@ -95,6 +96,33 @@ nb::dict generate_dataset(const std::string& config_path, const std::string& out
   return counts;
 }
 
+nb::dlpack::dtype numpy_type(DType dtype) {
+  const auto code = dtype == DType::U8                           ? nb::dlpack::dtype_code::UInt
+                    : dtype == DType::I32 || dtype == DType::I64 ? nb::dlpack::dtype_code::Int
+                                                                 : nb::dlpack::dtype_code::Float;
+  return {static_cast<uint8_t>(code), static_cast<uint8_t>(8 * dtype_size(dtype)), 1};
+}
+
+/// The tensors of a sample file, each an array of its own.
+nb::dict read_sample(const std::string& path) {
+  const SafetensorsFile file = interruptible([&] {
+    SafetensorsFile opened{path};
+    opened.verify();
+    return opened;
+  });
+  nb::dict out;
+  for (const auto& [name, tensor] : file.tensors()) {
+    LTE_CHECK(tensor.dtype != DType::BF16, path, ": ", name, " is of BF16, which NumPy has not");
+    auto* kept = new std::vector<std::byte>(tensor.data, tensor.data + tensor.size_bytes());
+    const nb::capsule owner(
+        kept, [](void* p) noexcept { delete static_cast<std::vector<std::byte>*>(p); });
+    const std::vector<size_t> shape(tensor.shape.begin(), tensor.shape.end());
+    out[name.c_str()] = nb::ndarray<nb::numpy>(kept->data(), shape.size(), shape.data(), owner,
+                                               nullptr, numpy_type(tensor.dtype));
+  }
+  return out;
+}
+
 nb::tuple sample(const Scene& self, int64_t count, uint64_t seed) {
   const scene::SurfaceSamples points = interruptible([&] {
     scene::SamplerOptions options;
@@ -162,6 +190,7 @@ void bind_scene(nb::module_& m) {
   m.def("load", &load);
   m.def("generate_scene", &generate);
   m.def("generate_dataset", &generate_dataset);
+  m.def("read_sample", &read_sample);
 }
 
 }  // namespace lte::python

@@ -32,6 +32,24 @@ def test_a_data_set_is_that_of_lte_datagen(tmp_path, tool):
     assert scenes[0][0].read_bytes() == scenes[1][0].read_bytes()
 
 
+def test_a_sample_is_what_its_file_says(tmp_path):
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    lte.generate_dataset(tmp_path / "tiny.yaml", tmp_path / "set")
+    (file,) = (tmp_path / "set/scenes").glob("*.safetensors")
+    found, expected = lte.read_sample(file), read_safetensors(file)
+    assert set(found) == set(expected)
+    for name, values in expected.items():
+        assert found[name].dtype == values.dtype and found[name].shape == values.shape
+        assert found[name].tobytes() == values.tobytes(), name
+    damaged = bytearray(file.read_bytes())
+    damaged[-5] ^= 1
+    file.write_bytes(damaged)
+    with pytest.raises(lte.Error, match=file.name):
+        lte.read_sample(file)
+    with pytest.raises(lte.Error, match="none.safetensors"):
+        lte.read_sample(tmp_path / "none.safetensors")
+
+
 def test_a_data_set_goes_on(tmp_path):
     (tmp_path / "tiny.yaml").write_text(TINY)
     config, out = tmp_path / "tiny.yaml", tmp_path / "set"
