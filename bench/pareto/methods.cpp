@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "infer/renderer/quality.h"
 #include "lte/base/check.h"
 #include "lte/base/text.h"
 

@@ -4,7 +4,7 @@
 
 #include "datagen/boxes/furniture.h"
 #include "datagen/boxes/materials.h"
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 #include "datagen/common/parts.h"
 #include "lte/base/check.h"
 #include "lte/base/random.h"

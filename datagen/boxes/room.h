@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datagen/common/light_rules.h"
+#include "datagen/common/ceiling_light_distances.h"
 #include "datagen/common/range.h"
 #include "lte/base/math.h"
 #include "lte/scene/scene.h"

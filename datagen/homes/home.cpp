@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 #include "datagen/homes/cameras.h"
 #include "datagen/homes/furnish.h"
 #include "datagen/homes/kit.h"

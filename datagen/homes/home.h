@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datagen/common/light_rules.h"
+#include "datagen/common/ceiling_light_distances.h"
 #include "datagen/common/range.h"
 #include "datagen/homes/floor_plan.h"
 #include "datagen/homes/piece.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 
 namespace lte::datagen::homes {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 #include "datagen/homes/wall_cells.h"
 
 namespace lte::datagen::homes {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 #include "datagen/common/textures.h"
 #include "datagen/wild/shares.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 
 namespace lte::datagen::wild {
 namespace {

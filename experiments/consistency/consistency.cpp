@@ -6,6 +6,7 @@
 
 #include "infer/picture/projection.h"
 #include "infer/picture/surface_guides.h"
+#include "infer/renderer/quality.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/placement/turntable.h"
 #include "lte/pathtrace/ray_offset.h"

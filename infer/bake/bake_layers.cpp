@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "infer/renderer/quality.h"
 #include "lte/bake/light_group.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"

@@ -19,6 +19,7 @@
 #include "infer/render/scene_size.h"
 #include "infer/render/video.h"
 #include "infer/render/views.h"
+#include "infer/renderer/quality.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/picture_size.h"
 #include "lte/base/checksum.h"

@@ -7,6 +7,7 @@
 #include "infer/render/frame_io.h"
 #include "infer/render/help_groups.h"
 #include "infer/render/video.h"
+#include "infer/renderer/quality.h"
 #include "infer/tool/picture_size.h"
 #include "lte/base/check.h"
 #include "lte/cli/numbers.h"

@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 
-#include "lte/base/enum_names.h"
 #include "lte/embed/embed.h"
 #include "lte/image/oidn.h"
 #include "lte/render/frame.h"
@@ -18,12 +17,6 @@ using embed::EmbedSettings;
 using render::Frame;
 using render::Method;
 using render::Output;
-
-/// How long a picture takes: passes, and the denoiser's effort.
-enum class Quality { Draft, Preview, Final };
-constexpr EnumNames<Quality, 3> enum_names(Quality) {
-  return {{{Quality::Draft, "draft"}, {Quality::Preview, "preview"}, {Quality::Final, "final"}}};
-}
 
 struct RenderSettings {
   Output output = Output::Full;
@@ -47,17 +40,6 @@ struct RenderSettings {
   /// Told of the share of the work that is done. May be null.
   std::function<void(double share)> progress;
 };
-
-/// The same settings with the passes and the denoiser of a quality, for a picture of their size.
-RenderSettings with_quality(Quality quality, RenderSettings settings);
-/// The same with passes until a time is over, denoising included.
-RenderSettings with_time(double seconds, RenderSettings settings);
-/// The same with so many paths a pixel; beyond 256 of them in passes of equally many, but the last.
-RenderSettings with_paths(int spp, RenderSettings settings);
-
-/// Paths from each record of the irradiance cache (render::CacheSettings::paths) for such a
-/// picture. Where a pixel has so many rays that their noise is small, that of records shows.
-int record_paths(const RenderSettings& settings);
 
 /// A picture that RenderSettings::stop has ended.
 struct PictureStopped {};

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "infer/check/checked_pixels.h"
+#include "infer/renderer/quality.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
 

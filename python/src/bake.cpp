@@ -3,6 +3,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "infer/bake/bake_scene.h"
+#include "infer/renderer/quality.h"
 #include "lte/bake/formats/formats.h"
 
 #include "python/src/module.h"

@@ -8,6 +8,7 @@
 #include "infer/render/scene_size.h"
 #include "infer/render/views.h"
 #include "infer/renderer/embedding_flags.h"
+#include "infer/renderer/quality.h"
 #include "lte/scene/load_camera.h"
 
 #include "python/src/module.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 #include "datagen/homes/furniture/furniture.h"
 
 namespace lte::datagen::homes {

@@ -1,7 +1,7 @@
 // Lamps: stands, shades, bulbs. A lit lamp has one emitter, its bulb or its glowing shade.
 #include <cmath>
 
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 #include "datagen/homes/furniture/furniture.h"
 
 namespace lte::datagen::homes {

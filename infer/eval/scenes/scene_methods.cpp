@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "infer/picture/surface_guides.h"
+#include "infer/renderer/quality.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
 #include "lte/base/to_number.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "infer/eval/scenes/scene_view.h"
+#include "infer/renderer/quality.h"
 #include "infer/renderer/render_settings.h"
 #include "lte/image/image.h"
 #include "lte/runtime/memory_limit.h"

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "infer/render/notes.h"
+#include "infer/renderer/quality.h"
 #include "infer/renderer/renderer.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/captured_log.h"

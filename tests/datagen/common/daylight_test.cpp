@@ -1,4 +1,4 @@
-#include "datagen/common/lighting.h"
+#include "datagen/common/daylight.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Colors of light, sun and sky of a made scene.
+// Sun and sky of a made scene, and the white of its lamps.
 #pragma once
 
 #include "lte/base/random.h"
