@@ -42,6 +42,6 @@ echo "try_container: lte built in $((SECONDS - begin)) s"
 demo=(demo --quality draft --size 160x120 --quiet --set denoise=off --out)
 build-packages/bin/lte "${demo[@]}" "$work/own.png"
 box=$(in_store from lte)
-in_store run "$box" -- lte "${demo[@]}" /work/room.png
-cmp "$(in_store mount "$box")/work/room.png" "$work/own.png" || fail "not the build's own picture"
+in_store run "$box" -- lte "${demo[@]}" /tmp/room.png
+cmp "$(in_store mount "$box")/tmp/room.png" "$work/own.png" || fail "not the build's own picture"
 echo "try_container: its demo is the build's own picture"
