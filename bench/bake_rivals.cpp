@@ -1,7 +1,6 @@
 #include "bench/bake_rivals.h"
 
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <numeric>
 
@@ -16,6 +15,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/parallel.h"
+#include "lte/base/scratch_folder.h"
 #include "lte/cli/assets.h"
 #include "lte/image/denoise.h"
 #include "lte/image/exr.h"
@@ -43,22 +43,6 @@ int run_program(std::vector<std::string> words) {
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
-
-/// A folder that goes when this does.
-struct ScratchFolder {
-  std::filesystem::path path;
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "lte-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) fail_on_file(name, "cannot be made", errno);
-    path = name;
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
 
 /// Texels' light in the atlas, with the space between charts filled; what is dark stays 0.
 std::vector<float> picture_of(const MeasuredScene& m, std::vector<Rgb> light) {
@@ -120,8 +104,8 @@ void add_network(const std::string& checkpoint, uint64_t seed, MeasuredScene* m,
 void add_cycles(const MeasuredScene& m, const std::string& python, int samples, uint64_t seed,
                 std::vector<BakeRow>* rows) {
   const ScratchFolder folder;
-  const std::filesystem::path glb = folder.path / "scene.glb", exr = folder.path / "cycles.exr",
-                              json = folder.path / "cycles.json";
+  const std::filesystem::path glb = folder.path() / "scene.glb", exr = folder.path() / "cycles.exr",
+                              json = folder.path() / "cycles.json";
   bake::Lightmap map;
   map.width = m.layout.atlas.width;
   map.height = m.layout.atlas.height;

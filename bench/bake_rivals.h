@@ -21,7 +21,7 @@ void add_network(const std::string& checkpoint, uint64_t seed, MeasuredScene* m,
 
 /// Blender's Cycles, by scripts/validation/cycles_light_map.py.
 /// @param python  that has bpy
-/// @throws lte::Error with the script's last words
+/// @throws lte::Error if the script fails, which says why on standard error
 void add_cycles(const MeasuredScene& m, const std::string& python, int samples, uint64_t seed,
                 std::vector<BakeRow>* rows);
 

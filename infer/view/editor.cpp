@@ -7,10 +7,10 @@
 
 #include "infer/session/scene_edits.h"
 #include "infer/view/replies.h"
-#include "infer/view/scratch_folder.h"
 #include "infer/view/session_scene.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/scratch_folder.h"
 #include "lte/base/text.h"
 
 namespace lte::infer::view {

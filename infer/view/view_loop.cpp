@@ -7,10 +7,10 @@
 
 #include "infer/view/display_layers.h"
 #include "infer/view/picture_encoder.h"
-#include "infer/view/scratch_folder.h"
 #include "infer/view/session_scene.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/base/scratch_folder.h"
 #include "lte/base/text.h"
 #include "lte/base/timer.h"
 #include "lte/image/exr.h"

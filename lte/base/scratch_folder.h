@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace lte::infer::view {
+namespace lte {
 
 /// Made for this user alone under the system's folder for such; removed with all in it.
 class ScratchFolder {
@@ -20,4 +20,4 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace lte::infer::view
+}  // namespace lte

@@ -1,4 +1,4 @@
-#include "infer/view/scratch_folder.h"
+#include "lte/base/scratch_folder.h"
 
 #include <cerrno>
 #include <cstdlib>
@@ -7,10 +7,10 @@
 
 #include "lte/base/file.h"
 
-namespace lte::infer::view {
+namespace lte {
 
 ScratchFolder::ScratchFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "lte_view_XXXXXX").string();
+  std::string name = (std::filesystem::temp_directory_path() / "lte_XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) fail_on_file(name, "cannot be made", errno);
   path_ = name;
 }
@@ -20,4 +20,4 @@ ScratchFolder::~ScratchFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-}  // namespace lte::infer::view
+}  // namespace lte
