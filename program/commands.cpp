@@ -1,6 +1,7 @@
 #include "program/commands.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
@@ -85,6 +86,7 @@ int run(const Command& command, std::vector<std::string> words, const TorchTools
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   if (command.run != nullptr) return command.run(static_cast<int>(words.size()), arguments.data());
+  if (!torch.libraries.empty()) setenv("LD_LIBRARY_PATH", torch.libraries.c_str(), 1);
   execv(torch.program.c_str(), arguments.data());  // which knows the tool by argv[0]
   std::cerr << "lte: " << torch.program << ": " << std::strerror(errno) << '\n';
   return 1;

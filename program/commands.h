@@ -7,8 +7,9 @@ namespace lte {
 
 /// Where the tools are that need LibTorch, of which a build may have none.
 struct TorchTools {
-  std::string program;  ///< a program lte that has them; empty: there is none
-  std::string advice;   ///< what to do about that, for the line that says so
+  std::string program;    ///< a program lte that has them; empty: there is none
+  std::string libraries;  ///< LD_LIBRARY_PATH of that program; empty: this process's
+  std::string advice;     ///< what to do where there is none, for the line that says so
 };
 
 /// Runs the tool that the first argument names, or argv[0] where that is a tool's name, as of a

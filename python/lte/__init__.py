@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from lte import _lte
 from lte._arguments import Path, choice, number, path_text, whole
+from lte._arguments import seed_number as _seed
 from lte._lte import Error
+from lte._training import Training, train
 
 if TYPE_CHECKING:  # NumPy is imported where there is work for it
     import numpy as np
@@ -403,60 +405,6 @@ def read_sample(path: Path) -> dict[str, NDArray[Any]]:
     return dict(_lte.read_sample(path_text(path)))
 
 
-class Training:
-    """A training run, which begins with the first step that is asked for: (step, mean loss since
-    the step before).
-
-    Ctrl-C, close(), and the end of a `with` finish the step that is at work and write a checkpoint,
-    from which train(resume=True) goes on.
-    """
-
-    def __init__(self, folder: pathlib.Path, words: list[str]) -> None:
-        from lte._training import steps
-        self.folder = folder
-        self.model = folder / "model.safetensors"  #: for Model.load(), once there was a checkpoint
-        self._steps = steps(folder, words)
-
-    def __iter__(self) -> Training:
-        return self
-
-    def __next__(self) -> tuple[int, float]:
-        return next(self._steps)
-
-    def __enter__(self) -> Training:
-        return self
-
-    def __exit__(self, *problem: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        self._steps.close()
-
-
-def train(config: Path, *, data: Path | None = None, out: Path | None = None,
-          steps: int | None = None, set: dict[str, object] | None = None, resume: bool = False,
-          seed: int | None = None, device: Literal["cpu", "cuda"] = "cpu") -> Training:
-    """Trains as `lte_train` does, and yields (step, loss) where its log has a line.
-
-    `data` is a folder of generate_dataset(); `data`, `steps` and `set` override keys of the
-    config; `out` is the run's folder. The key train.log_every is the steps between lines. Needs
-    lte[torch]. Raises lte.Error, as the tool's line, for what cannot be trained.
-    """
-    from lte._training import output_folder
-    words = ["--config", path_text(config), "--device", choice("device", device, "cpu", "cuda")]
-    keys: dict[str, object] = {} if data is None else {"data.root": path_text(data)}
-    if steps is not None:
-        keys["train.steps"] = whole("steps", steps, 1, 1 << 40)
-    for key, value in {**keys, **(set or {})}.items():
-        words += ["--set", f"{key}={value}"]
-    if seed is not None:
-        words += ["--seed", str(_seed(seed))]
-    if out is not None:
-        words += ["--out", path_text(out)]
-    folder = output_folder(words)
-    return Training(folder, [*words, "--resume"] if resume else words)
-
-
 def set_threads(count: int) -> None:
     """Threads of all later calls; 0 for all processors."""
     _lte.set_threads(whole("count", count, 0, 1 << 20))
@@ -521,10 +469,6 @@ def _camera(camera: Camera) -> tuple[Any, ...]:
 
 def _depth(depth: int) -> int:
     return whole("depth", depth, 1, 1000)
-
-
-def _seed(seed: int) -> int:
-    return whole("seed", seed, 0, (1 << 64) - 1)
 
 
 def _find_denoiser() -> None:

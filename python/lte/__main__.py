@@ -14,8 +14,7 @@ def main() -> int:
     os.environ.setdefault("LTE_VIEW_PAGE", str(FOLDER / "view"))
     os.environ.setdefault("LTE_ASSETS", str(FOLDER))
     torch = Torch()
-    os.environ.update(torch.environment)
-    return int(run_command(["lte", *sys.argv[1:]], torch.program, torch.advice))
+    return int(run_command(["lte", *sys.argv[1:]], torch.program, torch.libraries, torch.advice))
 
 
 if __name__ == "__main__":

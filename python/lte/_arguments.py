@@ -17,6 +17,10 @@ def whole(name: str, value: Any, low: int, high: int) -> int:
     return number
 
 
+def seed_number(seed: int) -> int:
+    return whole("seed", seed, 0, (1 << 64) - 1)
+
+
 def number(name: str, value: Any, low: float, high: float) -> float:
     try:
         if isinstance(value, (str, bytes)):

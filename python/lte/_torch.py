@@ -11,7 +11,7 @@ class Torch:
 
     def __init__(self) -> None:
         self.program, self.advice = "", ""
-        self.libraries: list[str] = []
+        self.libraries = ""  #: LD_LIBRARY_PATH of the program
         if find_spec("lte_torch") is None:
             self.advice = "pip install lte[torch]"
             return
@@ -28,14 +28,10 @@ class Torch:
             self.program = str(lte_torch.program)
             # Wherever each was installed; the wheel of lte has Embree and others.
             ours = pathlib.Path(__file__).parents[1] / "lte.libs"
-            self.libraries = [str(folder / "lib"), str(ours)]
-
-    @property
-    def environment(self) -> dict[str, str]:
-        """Of the program's process."""
-        earlier = os.environ.get("LD_LIBRARY_PATH")
-        paths = [*self.libraries, *([earlier] if earlier else [])]
-        return {"LD_LIBRARY_PATH": ":".join(paths)} if self.libraries else {}
+            paths = [str(folder / "lib"), str(ours)]
+            if earlier := os.environ.get("LD_LIBRARY_PATH"):
+                paths.append(earlier)
+            self.libraries = ":".join(paths)
 
 
 def _version(folder: pathlib.Path) -> str | None:

@@ -1,95 +1,62 @@
-"""Training by the program of lte-torch."""
+"""lte.train() and the run that it gives. What runs it is imported when there is a run."""
 
 from __future__ import annotations
 
-import json
-import os
 import pathlib
-import signal
-import subprocess
-import tempfile
-import time
-from collections.abc import Generator
-from typing import Any
+from typing import Literal
 
-from lte._lte import Error
-from lte._torch import Torch
+from lte._arguments import Path, choice, path_text, seed_number, whole
 
 
-def command(words: list[str]) -> tuple[list[str], dict[str, str]]:
-    """What runs `lte train`, and its environment."""
-    torch = Torch()
-    if not torch.program:
-        raise Error(f"train: {torch.advice}")
-    return [torch.program, "train", *words], {**os.environ, **torch.environment}
+class Training:
+    """A training run, which begins with the first step that is asked for: (step, mean loss since
+    the step before).
+
+    Ctrl-C, close(), and the end of a `with` finish the step that is at work and write a checkpoint,
+    from which train(resume=True) goes on.
+    """
+
+    def __init__(self, folder: pathlib.Path, words: list[str]) -> None:
+        from lte._training_process import steps
+        self.folder = folder
+        self.model = folder / "model.safetensors"  #: for Model.load(), once there was a checkpoint
+        self._steps = steps(folder, words)
+
+    def __iter__(self) -> Training:
+        return self
+
+    def __next__(self) -> tuple[int, float]:
+        return next(self._steps)
+
+    def __enter__(self) -> Training:
+        return self
+
+    def __exit__(self, *problem: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._steps.close()
 
 
-def output_folder(words: list[str]) -> pathlib.Path:
-    """The run's folder, as the configuration has it, which this checks."""
-    line, environment = command([*words, "--print-config"])
-    checked = subprocess.run(line, env=environment, text=True, capture_output=True)
-    if checked.returncode:
-        raise Error(_problem(checked.stderr))
-    for row in checked.stdout.splitlines():
-        if row.startswith("output: "):
-            text = row.removeprefix("output: ").strip()
-            return pathlib.Path(json.loads(text) if text.startswith('"') else text)
-    raise Error("train: the configuration names no output: out= does")
+def train(config: Path, *, data: Path | None = None, out: Path | None = None,
+          steps: int | None = None, set: dict[str, object] | None = None, resume: bool = False,
+          seed: int | None = None, device: Literal["cpu", "cuda"] = "cpu") -> Training:
+    """Trains as `lte_train` does, and yields (step, loss) where its log has a line.
 
-
-def steps(folder: pathlib.Path, words: list[str]) -> Generator[tuple[int, float], None, None]:
-    """Runs, and yields what log.jsonl says of training. Ends the run when it is closed."""
-    log = _Log(folder / "log.jsonl")
-    line, environment = command(words)
-    with tempfile.TemporaryFile("w+") as said:
-        # A session of its own: Ctrl-C comes once, from here.
-        run = subprocess.Popen(line, env=environment, stdout=subprocess.DEVNULL, stderr=said,
-                               start_new_session=True)
-        try:
-            ended = False
-            while not ended:
-                ended = run.poll() is not None
-                for about in log.read():
-                    if about.get("loss") is not None:
-                        yield about["step"], about["loss"]
-                if not ended:
-                    time.sleep(0.05)
-        finally:
-            if run.poll() is None:
-                run.send_signal(signal.SIGINT)  # the step ends, and a checkpoint is written
-                run.wait()
-        if run.returncode:
-            said.seek(0)
-            raise Error(_problem(said.read()))
-
-
-class _Log:
-    """Lines that come to a log. One that goes on begins as its checkpoint has it, maybe shorter."""
-
-    def __init__(self, path: pathlib.Path) -> None:
-        self._path, self._at, self._known = path, 0, frozenset[bytes]()
-        self._known = frozenset(self._lines())
-        self._at = 0
-
-    def read(self) -> list[dict[str, Any]]:
-        lines = [line for line in self._lines() if line not in self._known]
-        if not lines:
-            self._at = 0 if self._known else self._at
-        else:
-            self._known = frozenset()
-        return [json.loads(line) for line in lines]
-
-    def _lines(self) -> list[bytes]:
-        try:
-            with open(self._path, "rb") as file:
-                file.seek(self._at)
-                whole, newline, _ = file.read().rpartition(b"\n")
-        except OSError:  # not yet there, or never: the program says why
-            return []
-        self._at += len(whole) + len(newline)
-        return whole.splitlines()
-
-
-def _problem(said: str) -> str:
-    lines = said.strip().splitlines() or ["train: ended without a word"]
-    return lines[-1].removeprefix("lte_train: ").removeprefix("error: ")
+    `data` is a folder of generate_dataset(); `data`, `steps` and `set` override keys of the
+    config; `out` is the run's folder. The key train.log_every is the steps between lines. Needs
+    lte[torch]. Raises lte.Error, as the tool's line, for what cannot be trained.
+    """
+    from lte._training_process import output_folder
+    words = ["--config", path_text(config), "--device", choice("device", device, "cpu", "cuda")]
+    keys: dict[str, object] = {} if data is None else {"data.root": path_text(data)}
+    if steps is not None:
+        keys["train.steps"] = whole("steps", steps, 1, 1 << 40)
+    for key, value in {**keys, **(set or {})}.items():
+        words += ["--set", f"{key}={value}"]
+    if seed is not None:
+        words += ["--seed", str(seed_number(seed))]
+    if out is not None:
+        words += ["--out", path_text(out)]
+    folder = output_folder(words)
+    return Training(folder, [*words, "--resume"] if resume else words)

@@ -30,12 +30,12 @@ NB_MODULE(_lte, m) {
   python::bind_bake(m);
 #endif
   m.def("run_command", [](std::vector<std::string> words, const std::string& torch_program,
-                          const std::string& torch_advice) {
+                          const std::string& torch_libraries, const std::string& torch_advice) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const nanobind::gil_scoped_release unlocked;
     return run_command(static_cast<int>(words.size()), arguments.data(),
-                       {torch_program, torch_advice});
+                       {torch_program, torch_libraries, torch_advice});
   });
 }
