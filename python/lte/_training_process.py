@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import pathlib
-import signal
 import subprocess
 import tempfile
 import time
@@ -56,7 +55,7 @@ def steps(folder: pathlib.Path, words: list[str]) -> Generator[tuple[int, float]
                     time.sleep(0.05)
         finally:
             if run.poll() is None:
-                run.send_signal(signal.SIGINT)  # the step ends, and a checkpoint is written
+                run.terminate()  # the step ends, and a checkpoint is written
                 run.wait()
         if run.returncode:
             said.seek(0)

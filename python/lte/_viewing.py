@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pathlib
 import re
-import signal
 import subprocess
 import sys
 import tempfile
@@ -40,7 +39,7 @@ class View:
 
     def close(self) -> None:
         if self._server.poll() is None:
-            self._server.send_signal(signal.SIGINT)
+            self._server.terminate()
         self._server.communicate()
         self._folder.cleanup()
 

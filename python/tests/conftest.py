@@ -77,8 +77,10 @@ def tool():
     return run
 
 
+# A process that was started in the background ignores Ctrl-C, and so do its children.
 WORK = """
-import itertools, sys, time, lte
+import itertools, signal, sys, time, lte
+signal.signal(signal.SIGINT, signal.default_int_handler)
 scene = lte.load(lte.living_room)
 seed = itertools.count()
 {before}
