@@ -91,7 +91,9 @@ def test_a_run_that_is_left_goes_on(torch, data, tmp_path):
 
 
 def test_ctrl_c_ends_training(torch, data, tmp_path):
-    code = ("import sys, time, lte\ntry:\n"
+    # In the background Ctrl-C is ignored unless the process says otherwise.
+    code = ("import signal, sys, time, lte\n"
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n"
             "    for step in lte.train(lte.configs / 'train' / 'demo.yaml', data=sys.argv[1],\n"
             f"                          out=sys.argv[2], steps=100000, set={SMALL}):\n"
             "        print('step', flush=True)\n"
