@@ -60,10 +60,10 @@ void add_picture_options(CLI::App& app, RenderRequest* r) {
 void add_light_options(CLI::App& app, RenderRequest* r) {
   add_light_flags(app, "each pixel", r);
   CLI::Option* const quality =
-      app.add_option(
-             "--quality", r->quality,
-             "How long it takes: draft (one pass), preview (one of 16 rays a pixel, 4 in large "
-             "pictures) or final (16 passes, with paths that correct gathered light)")
+      app.add_option("--quality", r->quality,
+                     "How long it takes: draft (one pass of 4 rays a pixel), preview (one of 16, 4 "
+                     "in large "
+                     "pictures) or final (16 passes, with paths that correct gathered light)")
           ->check(CLI::IsMember({"draft", "preview", "final"}))
           ->capture_default_str();
   CLI::Option* const time =

@@ -12,6 +12,9 @@ namespace {
 /// between passes.
 constexpr int kPathsAPass = 256;
 
+/// Passes whose rays a draft gathers in its one: a tenth more time for a fifth less error.
+constexpr int kDraftPasses = 2;
+
 /// Rays of a preview, in each pixel twice to eight times a pass's: the denoiser joins what lies
 /// near in the picture, so that a pixel of a large one needs fewer.
 constexpr int64_t kPreviewRays = 1'300'000;
@@ -33,6 +36,8 @@ RenderSettings with_quality(Quality quality, RenderSettings settings) {
   switch (quality) {
     case Quality::Draft:
       settings.passes = 1;
+      settings.gather_rays *= kDraftPasses;
+      settings.light_samples *= kDraftPasses;
       settings.denoise_quality = image::OidnQuality::Fast;
       break;
     case Quality::Preview:
