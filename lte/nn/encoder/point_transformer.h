@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "lte/nn/encoder/pooling.h"
 #include "lte/nn/encoder/transformer_block.h"
 
 namespace lte::nn {
