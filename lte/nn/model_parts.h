@@ -6,12 +6,12 @@
 
 #include "lte/nn/constants.h"
 #include "lte/nn/decoder/query_decoder.h"
+#include "lte/nn/decoder/query_order.h"
 #include "lte/nn/decoder/radiance_decoder.h"
 #include "lte/nn/encoder/nearest_neighbour_embedding.h"
 #include "lte/nn/encoder/point_transformer.h"
 #include "lte/nn/model.h"
 #include "lte/ops/query_decoder.h"
-#include "lte/ops/spatial_order.h"
 #include "lte/tensor/functions.h"
 
 namespace lte::nn {
@@ -24,16 +24,6 @@ inline at::Tensor surface_attributes(const at::Tensor& position, const at::Tenso
                                      const at::Tensor& albedo) {
   const at::Tensor p = position.clamp(-kPositionLimit, kPositionLimit).mul(kPositionGain);
   return at::cat({p, normal, albedo}, 1);
-}
-
-inline QuerySet rows_of(const QuerySet& queries, const at::Tensor& rows) {
-  return {queries.position.index_select(0, rows), queries.normal.index_select(0, rows),
-          queries.albedo.index_select(0, rows)};
-}
-
-inline QuerySet block_of(const QuerySet& queries, int64_t begin, int64_t count) {
-  return {queries.position.narrow(0, begin, count), queries.normal.narrow(0, begin, count),
-          queries.albedo.narrow(0, begin, count)};
 }
 
 /// Multiplies the channels, which are the last axis, by the scene's scales and by `factor`. By
@@ -118,14 +108,10 @@ struct LightTransportModelImpl::Parts {
     return answer.split_with_sizes(input.counts);
   }
 
-  /// decode() from the table, on the CPU with the queries in an order in which neighbours share
-  /// latents.
+  /// decode() from the table in a QueryOrder.
   at::Tensor decode_ordered(const Embedding& embedding, const QuerySet& queries) {
-    if (!queries.position.is_cpu() || queries.position.size(0) == 1)
-      return decode(embedding, queries);
-    const at::Tensor order = ops::spatial_order(queries.position.contiguous());
-    const at::Tensor answer = decode(embedding, rows_of(queries, order));
-    return at::empty_like(answer).index_copy_(0, order, answer);
+    const QueryOrder order(queries.position);
+    return order.restored(decode(embedding, order.ordered(queries)));
   }
 };
 

@@ -2,7 +2,6 @@
 #include <numbers>
 
 #include "lte/nn/model_parts.h"
-#include "lte/ops/spatial_order.h"
 
 namespace lte::nn {
 namespace {
@@ -58,18 +57,14 @@ at::Tensor LightTransportModelImpl::radiance_of_block(const Embedding& embedding
   if (!embedding.radiance_table.defined() || is_training())
     return decode_radiance_normalized({{embedding}, embedding.features}, {queries},
                                       {directions})[0];
-  const bool ordered = queries.position.device().is_cpu();
-  const at::Tensor order =
-      ordered ? ops::spatial_order(queries.position.contiguous()) : at::Tensor();
-  const Parts::Input input =
-      Parts::input_of(embedding, ordered ? rows_of(queries, order) : queries);
-  const at::Tensor ways = ordered ? directions.index_select(0, order) : directions;
+  const QueryOrder order(queries.position);
+  const Parts::Input input = Parts::input_of(embedding, order.ordered(queries));
+  const at::Tensor ways = order.ordered(directions);
   const at::Tensor seen = embedding.surfels.see(input.queries.query.position, ways);
   const at::Tensor features = parts_->radiance->query()->infer(
       input.attributes, input.queries.query, input.queries.anchor, embedding.spacing,
       embedding.radiance_table, {embedding.nearest.get(), embedding.radiance_weights.get()});
-  const at::Tensor answer = parts_->radiance->radiance(features, ways, input.light, seen);
-  return ordered ? at::empty_like(answer).index_copy_(0, order, answer) : answer;
+  return order.restored(parts_->radiance->radiance(features, ways, input.light, seen));
 }
 
 at::Tensor LightTransportModelImpl::decode_radiance(const Embedding& embedding,

@@ -6,13 +6,12 @@
 
 #include "lte/nn/blocks/recompute.h"
 #include "lte/nn/constants.h"
-#include "lte/nn/encoder/transformer_block.h"
+#include "lte/nn/decoder/query_order.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/linear.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/neighbour_sums_args.h"
 #include "lte/ops/query_decoder.h"
-#include "lte/ops/spatial_order.h"
 
 namespace lte::nn {
 namespace {
@@ -221,21 +220,24 @@ at::Tensor QueryDecoderImpl::forward_fused(const at::Tensor& attributes,
                                            const at::Tensor& table) {
   // One scene's offsets are scaled by the operator; several scenes' spacings differ.
   const bool alone = scenes.size() == 1;
-  // Queries near each other read the same latents: along a curve they find them in the cache.
-  std::vector<at::Tensor> order, query, anchor, normal, anchor_normal, index;
-  int64_t queries = 0, latents = 0;  // of the scenes before
+  std::vector<int64_t> counts;
+  for (const SceneQueries& scene : scenes) counts.push_back(scene.query.position.size(0));
+  std::vector<QueryOrder> order;
+  std::vector<at::Tensor> input = attributes.split_with_sizes(counts);
+  std::vector<at::Tensor> query, anchor, normal, anchor_normal, index;
+  int64_t latents = 0;  // of the scenes before
   for (const SceneQueries& scene : scenes) {
-    const at::Tensor along = ops::spatial_order(scene.query.position.to(at::kFloat).contiguous());
-    const at::Tensor position = scene.query.position.index_select(0, along);
-    order.push_back(along + queries);
+    at::Tensor& row = input[order.size()];
+    const QueryOrder& along = order.emplace_back(scene.query.position);
+    const at::Tensor position = along.ordered(scene.query.position);
+    row = along.ordered(row);
     index.push_back(nearest(position, scene.anchor.position) + latents);
     query.push_back(alone ? position : position.div(scene.spacing));
     anchor.push_back(alone ? scene.anchor.position : scene.anchor.position.div(scene.spacing));
     if (reads_normals_) {
-      normal.push_back(scene.query.normal.index_select(0, along));
+      normal.push_back(along.ordered(scene.query.normal));
       anchor_normal.push_back(scene.anchor.normal);
     }
-    queries += position.size(0);
     latents += scene.anchor.position.size(0);
   }
   ops::QueryNeighbourhood near{at::cat(query), at::cat(anchor), at::cat(index),
@@ -244,12 +246,10 @@ at::Tensor QueryDecoderImpl::forward_fused(const at::Tensor& attributes,
     near.normal = at::cat(normal);
     near.anchor_normal = at::cat(anchor_normal);
   }
-  const at::Tensor rows = at::cat(order);
-  const at::Tensor answers =
-      ops::query_decoder(attributes.index_select(0, rows), near, table, weights());
-  const at::Tensor place =
-      at::empty_like(rows).scatter_(0, rows, at::arange(rows.size(0), rows.options()));
-  return answers.index_select(0, place);
+  std::vector<at::Tensor> answers =
+      ops::query_decoder(at::cat(input), near, table, weights()).split_with_sizes(counts);
+  for (size_t i = 0; i < answers.size(); ++i) answers[i] = order[i].restored(answers[i]);
+  return at::cat(answers);
 }
 
 std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::neighbour_sums(const Neighbourhood& near,
