@@ -7,6 +7,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/balance_heuristic.h"
 #include "lte/pathtrace/blocks/path_sampler.h"
 #include "lte/pathtrace/transport/transport_impl.h"
 #include "lte/scene/surface.h"
@@ -170,7 +171,10 @@ class ProbeTracer : public LightSink {
       light_density = lights_.pdf(position_ - frame_, {}, hit, hits.triangle[lane],
                                   distance * distance, std::fabs(cosine));
     }
-    if (options_.direct) sums_.add(direction, radiance * (1 / (kSphereDensity + light_density)));
+    if (options_.direct) {
+      const float density = balance_density(light_density, kSphereDensity);
+      sums_.add(direction, radiance * (1 / density));
+    }
   }
 
   void add_light_sample(int i) {
@@ -179,7 +183,7 @@ class ProbeTracer : public LightSink {
                        {to_unit(light_numbers_.point_x[i]), to_unit(light_numbers_.point_y[i])});
     if (!(light.pdf > 0) || !(max_component(light.radiance) > 0)) return;
     if (bvh_.occluded({position_, light.direction, 0, light.distance * kShadowShare})) return;
-    const float density = light.delta ? light.pdf : light.pdf + kSphereDensity;
+    const float density = balance_density(light.delta ? -light.pdf : light.pdf, kSphereDensity);
     sums_.add(light.direction, light.radiance * (1 / density));
   }
 

@@ -11,6 +11,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/balance_heuristic.h"
 #include "lte/pathtrace/blocks/path_kernels.h"
 #include "lte/pathtrace/blocks/ray_packets.h"
 #include "lte/pathtrace/embree_scene.h"
@@ -160,7 +161,7 @@ class DirectEstimator {
       const Vec3 direction = drawn_.direction.at(lane);
       const float pdf = drawn_.pdf[lane], cosine = dot(light_.normal.at(lane), direction);
       if (pdf == 0 || !(cosine > 0) || from_below(light_, lane, direction)) continue;
-      const float density = pdf < 0 ? -pdf : pdf + share_ * cosine / kPi;
+      const float density = balance_density(pdf, share_ * cosine / kPi);
       const Rgb value = drawn_.radiance.at(lane) * (light_.scale[lane] * cosine / density);
       if (!(max_component(value) > 0)) continue;
       shadows_.origin.put(kept, light_.position.at(lane));
@@ -191,7 +192,7 @@ class DirectEstimator {
       const Rgb radiance = seen(lane, &light_pdf);
       if (!(max_component(radiance) > 0)) continue;
       // The cosine over π is the density of the direction.
-      const float weight = kPi * pdf_[lane] / (light_pdf + share_ * pdf_[lane]);
+      const float weight = kPi * pdf_[lane] / balance_density(light_pdf, share_ * pdf_[lane]);
       collect(sky_, lane, &Half::sky, radiance * (weight * sky_.scale[lane]));
     }
   }

@@ -8,6 +8,7 @@
 
 #include "lte/base/random.h"
 #include "lte/base/vector_clones.h"
+#include "lte/pathtrace/balance_heuristic.h"
 #include "lte/pathtrace/blocks/low_discrepancy.h"
 #include "lte/pathtrace/blocks/square_to_triangle.h"
 #include "lte/pathtrace/materials/lambert.h"
@@ -177,8 +178,7 @@ void weigh_diffuse(const Lanes3& __restrict normal, const Lanes3& __restrict dir
     const float cosine =
         normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i];
     const float bsdf_pdf = lambert_pdf(cosine);
-    const float density = pdf[i] < 0 ? -pdf[i] : pdf[i] + bsdf_pdf;
-    const float ratio = bsdf_pdf / density;
+    const float ratio = bsdf_pdf / balance_density(pdf[i], bsdf_pdf);
     weight[i] = ((pdf[i] != 0) & (cosine > 0)) ? ratio : 0.0f;
   }
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "lte/base/math.h"
+#include "lte/pathtrace/balance_heuristic.h"
 #include "lte/pathtrace/blocks/path_block.h"
 #include "lte/pathtrace/materials/lambert.h"
 #include "lte/scene/scene.h"
@@ -54,9 +55,9 @@ class SampledLanes {
     for (int lane = 0; lane < paths.size; ++lane) {
       if (!has(lane) || weight[lane] == 0) continue;
       const Vec3 direction = lights.direction.at(lane);
-      const float cosine = dot(paths.normal.at(lane), direction), pdf = lights.pdf[lane];
+      const float cosine = dot(paths.normal.at(lane), direction);
       const float own = sampler_.pdf(vertex_[lane], cosine, direction);
-      weight[lane] = lambert_pdf(cosine) / (pdf < 0 ? -pdf : pdf + own);
+      weight[lane] = lambert_pdf(cosine) / balance_density(lights.pdf[lane], own);
     }
   }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lte/base/interruption.h"
+#include "lte/pathtrace/balance_heuristic.h"
 #include "lte/pathtrace/blocks/path_kernels.h"
 #include "lte/pathtrace/blocks/ray_packets.h"
 #include "lte/pathtrace/lights/light_lanes.h"
@@ -257,7 +258,7 @@ void BasicTransport<Observer, Directions>::add_emission(int lane, const Rgb& emi
     const float light_pdf =
         lights_.pdf(paths_.origin.at(lane), paths_.normal.at(lane), instance, hits_.triangle[lane],
                     distance * distance, std::fabs(cos_front));
-    weight = pdf / (pdf + light_pdf);
+    weight = balance_heuristic(pdf, light_pdf);
   }
   contributions_[contribution_count_++] = {paths_.throughput.at(lane) * emission * weight,
                                            record.light_group, paths_.path[lane]};
@@ -270,7 +271,7 @@ void BasicTransport<Observer, Directions>::add_environment(int lane) {
   const EnvironmentSample seen =
       environment.evaluate(paths_.normal.at(lane), paths_.direction.at(lane));
   const float pdf = paths_.pdf[lane];
-  const float weight = pdf > 0 ? pdf / (pdf + lights_.environment_pdf(seen)) : 1.0f;
+  const float weight = pdf > 0 ? balance_heuristic(pdf, lights_.environment_pdf(seen)) : 1.0f;
   contributions_[contribution_count_++] = {paths_.throughput.at(lane) * seen.radiance * weight,
                                            environment.light_group(), paths_.path[lane]};
 }
@@ -296,8 +297,7 @@ void BasicTransport<Observer, Directions>::weigh_metal() {
     if (metal_of_[lane] == scene::kNone || light_weight_[lane] == 0) continue;
     const Scattering to_light =
         metal_[static_cast<size_t>(metal_of_[lane])].evaluate(light_samples_.direction.at(lane));
-    const float pdf = light_samples_.pdf[lane];
-    light_weight_[lane] = 1 / (pdf < 0 ? -pdf : pdf + to_light.pdf);
+    light_weight_[lane] = 1 / balance_density(light_samples_.pdf[lane], to_light.pdf);
     light_samples_.radiance.put(lane, light_samples_.radiance.at(lane) * to_light.value);
   }
 }
