@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "experiments/stability/stress_scene.h"
-#include "lte/embed/scene_points.h"
+#include "lte/embed/point_light.h"
 #include "lte/runtime/network.h"
 #include "lte/runtime/points.h"
 

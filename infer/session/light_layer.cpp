@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lte/base/timer.h"
+#include "lte/embed/point_light.h"
 #include "lte/embed/scene_points.h"
 
 namespace lte::infer {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "lte/base/timer.h"
+#include "lte/embed/point_light.h"
 #include "lte/embed/scene_points.h"
 #include "lte/embed/untrained_light.h"
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
+#include "lte/embed/point_light.h"
 #include "lte/embed/scene_points.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/placement/auto_camera.h"
