@@ -243,8 +243,8 @@ float Plan::floor_area() const {
   return sum;
 }
 
-Plan make_plan(int least_cells, int most_cells, float unit, Dice* dice) {
-  return PlanMaker(least_cells, most_cells, unit, dice).make();
+Plan make_plan(int min_cells, int max_cells, float unit, Dice* dice) {
+  return PlanMaker(min_cells, max_cells, unit, dice).make();
 }
 
 }  // namespace lte::datagen::wild

@@ -68,7 +68,7 @@ struct Plan {
 float height_on(const std::vector<Vec2>& line, float x);
 
 /// Cells with ceilings, whose walls have no holes yet.
-/// @param most_cells  1 to 5
-Plan make_plan(int least_cells, int most_cells, float unit, Dice* dice);
+/// @param max_cells  1 to 5
+Plan make_plan(int min_cells, int max_cells, float unit, Dice* dice);
 
 }  // namespace lte::datagen::wild

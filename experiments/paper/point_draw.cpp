@@ -15,8 +15,8 @@
 namespace lte::experiments {
 namespace {
 
-constexpr int kPaths = 8;            // a side of a candidate, of Light
-constexpr double kLeastLight = 0.1;  // of the mean, so that dark places are not empty
+constexpr int kPaths = 8;          // a side of a candidate, of Light
+constexpr double kMinLight = 0.1;  // of the mean, so that dark places are not empty
 
 using Samples = scene::SurfaceSamples;
 
@@ -78,7 +78,7 @@ std::vector<double> light_weights(const pathtrace::Bvh& bvh, const pathtrace::Li
   for (const size_t i : rows) out.push_back(luminance(direct[i] + indirect[i]));
   const double mean =
       std::accumulate(out.begin(), out.end(), 0.0) / static_cast<double>(out.size());
-  for (double& weight : out) weight = mean > 0 ? weight + kLeastLight * mean : 1;
+  for (double& weight : out) weight = mean > 0 ? weight + kMinLight * mean : 1;
   return out;
 }
 

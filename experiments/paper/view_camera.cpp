@@ -8,7 +8,7 @@
 namespace lte::experiments {
 namespace {
 
-constexpr int64_t kLeastPixels = 6;
+constexpr int64_t kMinPixels = 6;
 constexpr double kOnePlane = 1e-9;  // second least eigenvalue over the largest
 
 at::Tensor unit(const at::Tensor& v) { return v / v.norm(); }
@@ -29,7 +29,7 @@ std::optional<ViewCamera> camera_of(const data::View& view) {
                                (i / view.width + 0.5) / view.width - 0.5});
   }
   const auto N = static_cast<int64_t>(pixel.size() / 2);
-  if (N < kLeastPixels) return std::nullopt;
+  if (N < kMinPixels) return std::nullopt;
   const at::Tensor X = at::from_blob(world.data(), {N, 3}, at::kDouble),
                    u = at::from_blob(pixel.data(), {N, 2}, at::kDouble);
   const at::Tensor middle = X.mean(0), x = X - middle;

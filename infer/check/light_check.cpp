@@ -99,12 +99,12 @@ class Checker {
     std::vector<uint32_t> ranks(answered_.size());
     std::iota(ranks.begin(), ranks.end(), uint32_t{0});
     for (uint64_t round = 0; paths_ == 0 || may_go_on(); ++round)
-      trace(ranks, std::max(kLeastCheckPaths, paths_), hash_combine(kSuspect, round), &first_);
+      trace(ranks, std::max(kMinCheckPaths, paths_), hash_combine(kSuspect, round), &first_);
   }
 
   /// Whether twice the paths would still be of use, and leave time to confirm what they suspect.
   bool may_go_on() const {
-    if (2 * paths_ > options_.most_paths || 4 * timer_.seconds() > options_.seconds) return false;
+    if (2 * paths_ > options_.max_paths || 4 * timer_.seconds() > options_.seconds) return false;
     std::vector<Region> regions;
     divide(1, &regions);
     return regions.size() < tree_.cells();
@@ -124,7 +124,7 @@ class Checker {
     }
     const double left = std::max(0.0, options_.seconds - timer_.seconds()) / timer_.seconds();
     const auto paths = static_cast<double>(paths_) * std::min(left, 1.0);
-    trace(ranks, std::max(kLeastCheckPaths, static_cast<int64_t>(paths)), kConfirm, &second_);
+    trace(ranks, std::max(kMinCheckPaths, static_cast<int64_t>(paths)), kConfirm, &second_);
   }
 
   /// @param ranks  of the places in the tree's order
@@ -282,7 +282,7 @@ class Checker {
 }  // namespace
 
 int64_t paths_to_check(int64_t rays) {
-  return std::clamp(rays / kRaysOfPath, kLeastCheckPaths, kMostCheckPaths);
+  return std::clamp(rays / kRaysOfPath, kMinCheckPaths, kMaxCheckPaths);
 }
 
 void AnsweredLight::add(const Vec3& at, const Vec3& side, const Rgb& light) {

@@ -37,12 +37,12 @@ inline constexpr double kCheckedOff = 0.05, kCheckedRegionOff = 0.1;
 inline constexpr int kCheckBatches = 32;
 
 /// The fewest paths of a check, and the most; as many again confirm a suspicion.
-inline constexpr int64_t kLeastCheckPaths = 1 << 13, kMostCheckPaths = 1 << 16;
+inline constexpr int64_t kMinCheckPaths = 1 << 13, kMaxCheckPaths = 1 << 16;
 
 struct CheckOptions {
-  int64_t most_paths = kMostCheckPaths;
+  int64_t max_paths = kMaxCheckPaths;
   /// For who keeps to a time: the check ends when its next paths would not be done in so many
-  /// seconds, after the first kLeastCheckPaths. By default counts alone decide, and the outcome is
+  /// seconds, after the first kMinCheckPaths. By default counts alone decide, and the outcome is
   /// the same every time.
   double seconds = std::numeric_limits<double>::infinity();
   int max_depth = 5;  ///< of the paths: surface hits after the place

@@ -77,7 +77,7 @@ LightCheck check(const ProbeRequest& request, const scene::PointTable& points,
   const GatheredProbeOptions gathered;
   const int64_t of_tables =
       gathered.tables * request.records * render::CacheSettings().paths * request.max_depth;
-  options.most_paths =
+  options.max_paths =
       paths_to_check(static_cast<int64_t>(points.size()) * rays_of(request) + of_tables);
   options.max_depth = request.max_depth;
   options.seed = hash_combine(request.seed, kCheckPaths);

@@ -235,8 +235,8 @@ LightCheck check_picture(const PictureRun& run, const View& view, const Frame& f
   const pathtrace::Bvh& bvh = state ? state->bvh() : renderer.bvh();
   const pathtrace::Lights& lights = state ? state->lights() : renderer.lights();
   CheckOptions options;
-  options.most_paths = paths_to_check(int64_t{run.settings.width} * run.settings.height *
-                                      renderer.passes() * run.settings.gather_rays);
+  options.max_paths = paths_to_check(int64_t{run.settings.width} * run.settings.height *
+                                     renderer.passes() * run.settings.gather_rays);
   if (std::isfinite(run.settings.seconds))
     options.seconds = std::min(kCheckShare * seconds, run.settings.seconds - seconds);
   options.max_depth = run.settings.max_depth;

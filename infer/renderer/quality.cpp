@@ -18,7 +18,7 @@ constexpr int kDraftPasses = 2;
 /// Rays of a preview, in each pixel twice to eight times a pass's: the denoiser joins what lies
 /// near in the picture, so that a pixel of a large one needs fewer.
 constexpr int64_t kPreviewRays = 1'300'000;
-constexpr int64_t kFewestPasses = 2, kMostPasses = 8;
+constexpr int64_t kMinPasses = 2, kMaxPasses = 8;
 
 /// Of a pixel, as a final picture has: record_paths().
 constexpr int kManyRays = 32;
@@ -27,7 +27,7 @@ constexpr int kManyRays = 32;
 int preview_passes(const RenderSettings& settings) {
   const int64_t rays = int64_t{settings.width} * settings.height * settings.gather_rays;
   return static_cast<int>(
-      std::clamp(kPreviewRays / std::max<int64_t>(rays, 1), kFewestPasses, kMostPasses));
+      std::clamp(kPreviewRays / std::max<int64_t>(rays, 1), kMinPasses, kMaxPasses));
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ RenderSettings with_quality(Quality quality, RenderSettings settings) {
       // rays are as many as light samples, they complete each other (lte/render/gather.cpp).
       settings.passes = 1;
       settings.gather_rays *= preview_passes(settings);
-      settings.light_samples *= static_cast<int>(kMostPasses);
+      settings.light_samples *= static_cast<int>(kMaxPasses);
       settings.denoise_quality = image::OidnQuality::Balanced;
       break;
     case Quality::Final:

@@ -22,7 +22,7 @@ constexpr double kPlain = 150, kRich = 425;
 /// Rays need so many times fewer, in rich scenes half as many times.
 constexpr int64_t kRaysNeedFewer = 8;
 // As long as that is no more than in training.
-constexpr int64_t kLeast = 1024, kPointsOfLuminaire = 16;
+constexpr int64_t kMin = 1024, kPointsOfLuminaire = 16;
 
 /// One over the harmonic mean of the distances that one sees from a side of a point; the sky is
 /// infinitely far.
@@ -80,7 +80,7 @@ int64_t scene_point_count(const pathtrace::Bvh& bvh, int64_t trained, Reader rea
   int64_t count = detail < kPlain ? trained / 2 : trained;
   if (reader == Reader::Rays) count /= detail > kRich ? kRaysNeedFewer / 2 : kRaysNeedFewer;
   const auto luminaires = static_cast<int64_t>(bvh.scene().light_groups.size());
-  return std::max(count, std::min(trained, std::max(kLeast, kPointsOfLuminaire * luminaires)));
+  return std::max(count, std::min(trained, std::max(kMin, kPointsOfLuminaire * luminaires)));
 }
 
 }  // namespace lte::embed

@@ -13,10 +13,10 @@ namespace {
 // times the mean of lit surfaces: of it the brightest, up to this share of their area.
 constexpr float kBright = 3;
 constexpr double kSmall = 0.1;
-constexpr size_t kMostPlaces = 64;
+constexpr size_t kMaxPlaces = 64;
 // Shares of a point's rays. The cosine keeps most of them: places may be hidden, and all other
 // surfaces shine, too.
-constexpr float kLeastShare = 0.02f, kMostShare = 0.35f;
+constexpr float kMinShare = 0.02f, kMaxShare = 0.35f;
 // A place's reach in edges of the record that it begins with, and the least cosine of its normals.
 constexpr float kReach = 3, kSameSide = 0.8f;
 // Radius of a place over that of a disc of its area: what records stand for are no discs.
@@ -52,7 +52,7 @@ BrightPlaces::BrightPlaces(const CacheRecords& records, std::span<const Rgb> irr
   while (!left.empty()) power -= double{join_neighbors(records, radiance, &left)};
   std::stable_sort(places_.begin(), places_.end(),
                    [](const Place& a, const Place& b) { return a.intensity > b.intensity; });
-  if (places_.size() > kMostPlaces) places_.resize(kMostPlaces);
+  if (places_.size() > kMaxPlaces) places_.resize(kMaxPlaces);
   elsewhere_ = kPi * static_cast<float>(std::max(power, 0.0) / lit);
 }
 
@@ -99,7 +99,7 @@ Aim BrightPlaces::aim(const Vec3& position, const Vec3& normal) const {
     sum += light;
     const Aim::Cone cone{to * (1 / distance), distance / std::sqrt(distance2 + place.radius2),
                          light};
-    if (out.count_ < Aim::kMost) {
+    if (out.count_ < Aim::kMax) {
       out.cones_[static_cast<size_t>(out.count_++)] = cone;
       continue;
     }
@@ -109,8 +109,8 @@ Aim BrightPlaces::aim(const Vec3& position, const Vec3& normal) const {
     if (light > least->weight) *least = cone;
   }
   const float share = sum / (sum + elsewhere_);
-  if (!(share >= kLeastShare)) return {};
-  out.share_ = std::min(share, kMostShare);
+  if (!(share >= kMinShare)) return {};
+  out.share_ = std::min(share, kMaxShare);
   float kept = 0;
   for (int k = 0; k < out.count_; ++k) kept += out.cones_[static_cast<size_t>(k)].weight;
   for (int k = 0; k < out.count_; ++k)

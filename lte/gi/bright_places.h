@@ -17,7 +17,7 @@ namespace lte::gi {
 /// How the rays of one point are aimed: by the cosine, or within cones around bright places.
 class Aim {
  public:
-  static constexpr int kMost = 8;
+  static constexpr int kMax = 8;
 
   /// Of the rays, that are aimed at bright places.
   float share() const { return share_; }
@@ -35,7 +35,7 @@ class Aim {
   };
   float share_ = 0;
   int count_ = 0;
-  std::array<Cone, kMost> cones_;
+  std::array<Cone, kMax> cones_;
 };
 
 /// Of one light on the records of a cache. Thread-safe.

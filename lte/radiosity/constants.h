@@ -25,7 +25,7 @@ inline constexpr double kShareByLight = 0.5;
 inline constexpr int64_t kMaxCells = int64_t{1} << 24;
 inline constexpr float kCellGrowth = 1.26f;
 /// A cell's side at least, of the longest extent.
-inline constexpr float kLeastCell = 1e-4f;
+inline constexpr float kMinCell = 1e-4f;
 
 /// Cells between which a plane is closed: farther than holes are wide, nearer than doorways.
 inline constexpr int32_t kReach = 4;

@@ -18,7 +18,7 @@ GridShape GridShape::around(std::span<const Vec3> positions, float cell) {
   const auto count = [&](int axis) {
     return 3 + static_cast<int64_t>(static_cast<double>(extent[axis]) / grid.cell);
   };
-  grid.cell = std::max(grid.cell, kLeastCell * max_component(extent));
+  grid.cell = std::max(grid.cell, kMinCell * max_component(extent));
   if (grid.cell <= 0) grid.cell = 1;  // all points in one place
   while (count(0) * count(1) * count(2) > kMaxCells) grid.cell *= kCellGrowth;
   grid.inverse = 1 / grid.cell;

@@ -15,7 +15,7 @@ using image::Image;
 constexpr int64_t kRows = 4;
 /// Of bilinear weight, below which the means on a pixel's surface do not stand for it.
 constexpr float kMinWeight = 0.1f;
-constexpr int kAloneRadius = 3;  // in pixels
+constexpr int kIsolatedRadius = 3;  // in pixels
 
 /// Calls use(x, y), in several threads.
 template <typename Use>
@@ -93,10 +93,10 @@ class Halved {
   Rgb alone(int x, int y, const SurfacePlace& place) const {
     Rgb sum;
     float count = 0;
-    for (int py = std::max(0, y - kAloneRadius); py <= std::min(film_.height - 1, y + kAloneRadius);
-         ++py) {
-      for (int px = std::max(0, x - kAloneRadius);
-           px <= std::min(film_.width - 1, x + kAloneRadius); ++px) {
+    for (int py = std::max(0, y - kIsolatedRadius);
+         py <= std::min(film_.height - 1, y + kIsolatedRadius); ++py) {
+      for (int px = std::max(0, x - kIsolatedRadius);
+           px <= std::min(film_.width - 1, x + kIsolatedRadius); ++px) {
         const size_t pixel = film_.number(px, py);
         if (!film_.is_lit(pixel) || !shares_light(place, film_.center(pixel))) continue;
         sum += light_.rgb(pixel);

@@ -32,7 +32,7 @@ def grid_around(self, points: Tensor, cell: float) -> Dict[str, Tensor]:
         low = torch.amin(points, [0])
         extent = torch.amax(points, [0]) - low
         longest = float(torch.max(extent))
-        cell = max(cell, self.single({least_cell} * longest))
+        cell = max(cell, self.single({min_cell} * longest))
         if cell <= 0.0:
             cell = 1.0
         wide = extent.to(7).cpu()
@@ -415,7 +415,7 @@ std::string solved_light_source(bool portable) {
   using namespace radiosity;
   const Options options;
   return fill(std::string(kGrid) + kSurfels + kMarch + kTransfer + kLuminaires + kSenders + kSolve,
-              {{"least_cell", number(kLeastCell)},
+              {{"min_cell", number(kMinCell)},
                {"max_cells", std::to_string(kMaxCells)},
                {"growth", number(kCellGrowth)},
                {"reach", std::to_string(kReach)},

@@ -70,8 +70,7 @@ TEST_P(PoolingWith, GradientsMatchFiniteDifferencesDownAndUp) {
   const at::Tensor weight = torch::randn({7, 5}, at::kDouble);
   test::expect_gradients_match(
       [&] {
-        const at::Tensor up =
-            unpool->forward(pool->forward(x, coarse), x, coarse, stage_of(7));
+        const at::Tensor up = unpool->forward(pool->forward(x, coarse), x, coarse, stage_of(7));
         return (up * weight).sum();
       },
       inputs);

@@ -46,8 +46,8 @@ void check_rows(const at::Tensor& t, int64_t rows, bool triple, const char* what
                         (!triple || t.size(1) == 3);
   TORCH_CHECK(shape_ok, what, ": ", name, " must be [", rows, triple ? ", 3]" : "]", ", got ",
               t.defined() ? c10::str(t.sizes()) : std::string("nothing"));
-  constexpr double kMost = std::numeric_limits<double>::max();
-  const int64_t row = first_outside(t, -kMost, kMost);
+  constexpr double kMax = std::numeric_limits<double>::max();
+  const int64_t row = first_outside(t, -kMax, kMax);
   TORCH_CHECK(row < 0, what, ": ", name, " of row ", row, " is not finite");
 }
 

@@ -12,7 +12,7 @@ constexpr int kCandidates = 256;  ///< in one go
 constexpr int kMaxGoes = 16;      ///< until enough of them are indoors: a small house in a field
 /// Share of probes that must hit in a room with all its walls.
 constexpr float kIndoors = 0.85f;
-constexpr float kMostlyFronts = 0.5f;
+constexpr float kMinFrontShare = 0.5f;
 constexpr float kHighestCeiling = 20;  ///< units above the eye; a dome of sky is farther away
 /// Probes so near the horizon ask for walls: windows take some of a room's, a garden has few.
 constexpr float kNearHorizon = 0.35f;
@@ -64,7 +64,7 @@ float look_around(const Search& search, RoomPlace* place) {
   const float enclosed = share(hits, kProbes);
   const Hit ceiling = search.bvh.intersect({place->eye, {0, 1, 0}});
   if (enclosed >= kIndoors && share(walls, level) >= kWalls &&
-      share(fronts, hits) >= kMostlyFronts && ceiling.valid() &&
+      share(fronts, hits) >= kMinFrontShare && ceiling.valid() &&
       ceiling.t <= kHighestCeiling * unit) {
     place->surroundings = Surroundings::Indoors;
   } else if (search.surrounded && enclosed >= kEnclosed) {

@@ -49,10 +49,10 @@ AnsweredLight scaled_below(AnsweredLight light, float x, float factor) {
   return light;
 }
 
-CheckOptions with_seed(uint64_t seed, int64_t most_paths = int64_t{1} << 13) {
+CheckOptions with_seed(uint64_t seed, int64_t max_paths = int64_t{1} << 13) {
   CheckOptions options;
   options.seed = seed;
-  options.most_paths = most_paths;
+  options.max_paths = max_paths;
   return options;
 }
 
@@ -103,9 +103,9 @@ TEST(PlaceTree, CellsPartThePlacesInto64AndHalvesLieApart) {
 }
 
 TEST(LightCheck, TakesATenthOfTheRaysThatItChecksWithinBounds) {
-  EXPECT_EQ(paths_to_check(0), kLeastCheckPaths);
-  EXPECT_EQ(paths_to_check(32 * (kLeastCheckPaths + 5)), kLeastCheckPaths + 5);
-  EXPECT_EQ(paths_to_check(int64_t{1} << 40), kMostCheckPaths);
+  EXPECT_EQ(paths_to_check(0), kMinCheckPaths);
+  EXPECT_EQ(paths_to_check(32 * (kMinCheckPaths + 5)), kMinCheckPaths + 5);
+  EXPECT_EQ(paths_to_check(int64_t{1} << 40), kMaxCheckPaths);
 }
 
 /// Half of the room is off by 30 %: a mean square of 0.045, and 0.09 there.

@@ -141,9 +141,9 @@ void convolve_tiles(const ConvolutionRows& input, const TapWeights& weights,
   // Threads own blocks of rows and panels of columns: stages with few points have wide features.
   // The weights of a tap are read once a block, from the third-level cache. A row adds up its taps
   // in their order however many rows a block has.
-  constexpr int64_t kFewestRows = 256, kMaxRows = 2048;
+  constexpr int64_t kMinRows = 256, kMaxRows = 2048;
   const int64_t share = (input.N + at::get_num_threads() - 1) / at::get_num_threads();
-  const int64_t block = std::clamp(share, kFewestRows, kMaxRows);
+  const int64_t block = std::clamp(share, kMinRows, kMaxRows);
   const int64_t blocks = (input.N + block - 1) / block;
   at::parallel_for(0, blocks * panels_of(weights.outputs), 1, [&](int64_t begin, int64_t end) {
     TileConvolution convolution(input, weights, pairs, out);
