@@ -9,24 +9,9 @@
 
 #include "infer/renderer/renderer.h"
 #include "lte/bake/bake.h"
-#include "lte/base/timer.h"
+#include "lte/base/stopwatch.h"
 
 namespace lte::bench {
-
-/// Seconds by the clock and of processors.
-struct Seconds {
-  double clock = 0, processor = 0;
-  Seconds operator+(const Seconds& o) const { return {clock + o.clock, processor + o.processor}; }
-};
-
-class Stopwatch {
- public:
-  Seconds seconds() const { return {timer_.seconds(), processor_seconds() - start_}; }
-
- private:
-  Timer timer_;
-  double start_ = processor_seconds();
-};
 
 /// The figures of one method.
 struct BakeRow {

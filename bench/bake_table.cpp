@@ -107,7 +107,7 @@ void add_bake_table_options(CLI::App& command, BakeTableRequest* request) {
 void run_bake_table(const BakeTableRequest& request, const CommonOptions& common) {
   CommandFiles files;
   for (const std::string& scene : request.scenes) files.reads("SCENE", scene);
-  begin_command(common, &files, "");
+  begin_command(common, &files);
   nlohmann::json json = {{"schema_version", 1}, {"scenes", nlohmann::json::array()}};
   for (const std::string& file : request.scenes) {
     const scene::Scene scene = load_scene(file, request.loading);
@@ -126,12 +126,12 @@ void run_bake_table(const BakeTableRequest& request, const CommonOptions& common
                 "leak", "seam");
     for (const BakeRow& row : rows) {
       std::printf("%-20s %8.2f %8.2f %8.4f %6.1f%% %6.1f%% %6.1f%% %7.4f %6.2f%%\n",
-                  row.name.c_str(), row.seconds.clock, row.seconds.processor, row.rel_mse,
+                  row.name.c_str(), row.seconds.wall, row.seconds.processor, row.rel_mse,
                   100 * row.bias, 100 * row.median, 100 * row.p95, row.leak, 100 * row.seam);
       json["scenes"].push_back({{"scene", file},
                                 {"method", row.name},
                                 {"texels", m.layout.texels.size()},
-                                {"seconds", row.seconds.clock},
+                                {"seconds", row.seconds.wall},
                                 {"processor_seconds", row.seconds.processor},
                                 {"rel_mse", row.rel_mse},
                                 {"bias", row.bias},

@@ -24,24 +24,20 @@ constexpr double kLongEnough = 20;
 constexpr int kWarmUpWidth = 32, kWarmUpHeight = 24;
 
 template <typename Work>
-MethodTime measure(const Work& work) {
-  MethodTime time;
-  const double begin = processor_seconds();
-  const Timer timer;
+Seconds measure(const Work& work) {
+  const Stopwatch watch;
   work();
-  time.wall = timer.seconds();
-  time.processor = processor_seconds() - begin;
-  return time;
+  return watch.seconds();
 }
 
-void keep_least(const MethodTime& time, bool first, MethodTime* least) {
+void keep_least(const Seconds& time, bool first, Seconds* least) {
   if (first || time.wall < least->wall) *least = time;
 }
 
-MethodTime mean_of(const std::vector<MethodTime>& times) {
-  MethodTime out;
+Seconds mean_of(const std::vector<Seconds>& times) {
+  Seconds out;
   const double share = 1 / static_cast<double>(times.size());
-  for (const MethodTime& time : times) {
+  for (const Seconds& time : times) {
     out.wall += share * time.wall;
     out.processor += share * time.processor;
   }
@@ -79,12 +75,12 @@ ParetoRow measure_method(const Method& method, const Subject& subject, int repea
   row.name = method.name;
   row.family = method.family;
   row.settings = method.settings;
-  std::vector<MethodTime> views(subject.cameras.size());
+  std::vector<Seconds> views(subject.cameras.size());
   ScoreMean whole, indirect;
   const Timer all;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     if (repeat > 0 && all.seconds() > kLongEnough) break;
-    const MethodTime once = measure([&] { method.prepare(subject.scene); });
+    const Seconds once = measure([&] { method.prepare(subject.scene); });
     keep_least(once, repeat == 0, &row.once);
     for (size_t v = 0; v < views.size(); ++v) {
       MethodPicture picture;
@@ -126,8 +122,8 @@ ParetoChart measure_chart(const ParetoOptions& options, const std::vector<Method
                                static_cast<float>(scene.width) / static_cast<float>(scene.height)),
                   {}};
   for (size_t v = 0; v < subject.cameras.size(); ++v) {
-    subject.references.push_back(
-        find_reference(scene, subject.cameras[v], concat(name, "-view", v), options.reference));
+    subject.references.push_back(trace_reference(scene, subject.cameras[v],
+                                                 concat(name, "-view", v), options.reference_spp));
     const double share = 1 / static_cast<double>(subject.cameras.size());
     add_share(share, subject.references.back().whole_noise, &chart.whole_noise);
     add_share(share, subject.references.back().indirect_noise, &chart.indirect_noise);

@@ -10,6 +10,7 @@
 #include "bench/pareto/methods.h"
 #include "bench/pareto/reference.h"
 #include "infer/picture/picture_score.h"
+#include "lte/base/stopwatch.h"
 #include "lte/cli/scene_flags.h"
 
 namespace lte::bench {
@@ -28,18 +29,14 @@ struct ParetoOptions {
   int repeats = 3;
   int max_depth = 5;
   uint64_t seed = 0;
-  ReferenceSettings reference{2048, ""};
-};
-
-/// Wall-clock and user + system seconds, the least of the repeats.
-struct MethodTime {
-  double wall = 0, processor = 0;
+  int reference_spp = 2048;  ///< paths a pixel, rounded up to an even number
 };
 
 struct ParetoRow {
   std::string name, family, settings;
-  MethodTime once;                      ///< for all views
-  MethodTime view;                      ///< mean over views
+  /// The least of the repeats.
+  Seconds once;                         ///< for all views
+  Seconds view;                         ///< mean over views
   infer::PictureScore whole, indirect;  ///< means over views
   std::vector<uint64_t> pictures;       ///< checksums by view: equal settings give equal pictures
 

@@ -1,7 +1,6 @@
 #include "bench/pareto/pareto_command.h"
 
 #include <cstdio>
-#include <filesystem>
 
 #include "bench/begin_command.h"
 #include "bench/pareto/pareto_report.h"
@@ -38,12 +37,9 @@ void add_pareto_options(CLI::App& command, ParetoRequest* request) {
                   "Views that are measured: the cameras given, or the first one turned")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--reference-spp", options.reference.spp, "Paths a pixel of the reference")
+  command.add_option("--reference-spp", options.reference_spp, "Paths a pixel of the reference")
       ->check(CLI::Range(2, 1 << 24))
       ->capture_default_str();
-  command.add_option("--out", request->out,
-                     "Page with the charts to write (.html); references are kept from run to run "
-                     "in the folder reference-cache beside it");
   add_scene_flags(command, &options.loading);
 }
 
@@ -52,17 +48,14 @@ void run_pareto(const ParetoRequest& request, int repeats, const CommonOptions& 
   options.sizes.clear();
   for (const std::string& size : request.sizes) options.sizes.push_back(parse_picture_size(size));
   options.repeats = repeats;
-  if (!request.out.empty())
-    options.reference.cache = std::filesystem::path(request.out).parent_path() / "reference-cache";
   CommandFiles files;
   for (const std::string& scene : options.scenes) files.reads("SCENE", scene);
   files.reads("--checkpoint", options.checkpoint);
-  begin_command(common, &files, request.out);
+  begin_command(common, &files);
   const std::vector<ParetoChart> charts = measure_pareto(options);
   std::fputs(pareto_table(charts).c_str(), stdout);
   files.check_what_was_read();
   if (!common.json.empty()) write_file(common.json, pareto_json(options, charts));
-  if (!request.out.empty()) write_file(request.out, pareto_html(options, charts));
 }
 
 }  // namespace lte::bench

@@ -11,7 +11,6 @@ namespace lte::bench {
 struct ParetoRequest {
   ParetoOptions options;
   std::vector<std::string> sizes = {"160x120"};
-  std::string out;  ///< the page; empty: none
 };
 
 void add_pareto_options(CLI::App& command, ParetoRequest* request);

@@ -1,10 +1,8 @@
 #include "bench/pareto/pareto_report.h"
 
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
-#include "lte/base/check.h"
+#include "lte/base/json_number.h"
 #include "lte/base/parallel.h"
 #include "lte/base/text.h"
 
@@ -16,21 +14,18 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// JSON has no NaN.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 Json json_of(const ReferenceNoise& noise) {
-  return {{"mse", number(noise.mse)}, {"relmse", number(noise.relmse)}};
+  return {{"mse", json_number(noise.mse)}, {"relmse", json_number(noise.relmse)}};
 }
 
 Json json_of(const PictureScore& score, const ReferenceNoise& noise) {
   const PictureScore own = without(noise, score);
-  return {{"mse", number(score.mse)},   {"relmse", number(score.relmse)},
-          {"own_mse", number(own.mse)}, {"own_relmse", number(own.relmse)},
-          {"flip", number(score.flip)}, {"ssim", number(score.ssim)}};
+  return {{"mse", json_number(score.mse)},   {"relmse", json_number(score.relmse)},
+          {"own_mse", json_number(own.mse)}, {"own_relmse", json_number(own.relmse)},
+          {"flip", json_number(score.flip)}, {"ssim", json_number(score.ssim)}};
 }
 
-Json json_of(const MethodTime& time) {
+Json json_of(const Seconds& time) {
   return {{"seconds", time.wall}, {"processor_seconds", time.processor}};
 }
 
@@ -48,8 +43,8 @@ Json json_of(const ParetoRow& row, const ParetoChart& chart, const std::vector<i
           {"on_front_of_views", fronts}};
 }
 
-}  // namespace
-
+/// Of each row, the numbers of views (kViewCounts) at which it is on the front of time against the
+/// relative MSE of the whole picture.
 std::vector<std::vector<int>> fronts_of(const ParetoChart& chart) {
   std::vector<std::vector<int>> out(chart.rows.size());
   for (const int views : kViewCounts) {
@@ -60,6 +55,8 @@ std::vector<std::vector<int>> fronts_of(const ParetoChart& chart) {
   }
   return out;
 }
+
+}  // namespace
 
 std::string pareto_table(const std::vector<ParetoChart>& charts) {
   std::string out;
@@ -99,7 +96,7 @@ std::string pareto_json(const ParetoOptions& options, const std::vector<ParetoCh
            {"views", options.views},
            {"repeats", options.repeats},
            {"seed", options.seed},
-           {"reference_spp", options.reference.spp},
+           {"reference_spp", options.reference_spp},
            {"charts", Json::array()}};
   for (const ParetoChart& chart : charts) {
     Json json{

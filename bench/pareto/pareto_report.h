@@ -1,4 +1,4 @@
-// What lte_bench pareto shows: a table for a terminal, JSON, and a page of charts.
+// What lte_bench pareto shows: a table for a terminal, and JSON.
 #pragma once
 
 #include <string>
@@ -10,10 +10,5 @@ namespace lte::bench {
 
 std::string pareto_table(const std::vector<ParetoChart>& charts);
 std::string pareto_json(const ParetoOptions& options, const std::vector<ParetoChart>& charts);
-std::string pareto_html(const ParetoOptions& options, const std::vector<ParetoChart>& charts);
-
-/// Of each row, the numbers of views (kViewCounts) at which it is on the front of time against the
-/// relative MSE of the whole picture.
-std::vector<std::vector<int>> fronts_of(const ParetoChart& chart);
 
 }  // namespace lte::bench

@@ -24,14 +24,13 @@ ReferenceNoise merge(const image::Image& other, image::Image* image) {
 
 }  // namespace
 
-Reference find_reference(const MethodScene& scene, const scene::Camera& camera,
-                         const std::string& name, const ReferenceSettings& settings) {
+Reference trace_reference(const MethodScene& scene, const scene::Camera& camera,
+                          const std::string& name, int spp) {
   PairSettings wanted;
   wanted.width = scene.width;
   wanted.height = scene.height;
-  wanted.paths = (settings.spp + 1) / 2;
+  wanted.paths = (spp + 1) / 2;
   wanted.max_depth = scene.max_depth;
-  wanted.folder = settings.cache;
   ReferencePair pair = find_reference_pair(&scene.renderer, camera, name, wanted);
   Reference out;
   out.whole = std::move(pair[0].whole);

@@ -10,7 +10,6 @@
 #include "lte/base/check.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
-#include "lte/report/chart.h"
 #include "lte/report/html.h"
 
 namespace lte::experiments {

@@ -8,7 +8,6 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/text.h"
-#include "lte/report/chart.h"
 #include "lte/report/html.h"
 
 namespace lte::experiments {

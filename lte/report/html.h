@@ -1,5 +1,5 @@
-// Self-contained HTML pages for reports: tables, embedded pictures, and the charts of chart.h. No
-// script, no font and no other file is needed to read them.
+// Self-contained HTML pages for reports: tables and embedded pictures. No script, no font
+// and no other file is needed to read them.
 #pragma once
 
 #include <span>
@@ -30,7 +30,7 @@ std::string html_text_table(const std::vector<std::string>& head,
 /// A PNG file's bytes with a caption, as wide as the page.
 std::string html_picture(std::span<const unsigned char> png, const std::string& caption);
 
-/// Charts or pictures beside one another, as many as the page is wide for.
+/// Pictures beside one another, as many as the page is wide for.
 std::string html_grid(const std::string& content);
 
 /// What is folded away until somebody wants it.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lte/base/file.h"
+#include "lte/base/json_number.h"
 #include "lte/base/text.h"
 #include "train/log/json.h"
 
@@ -18,12 +19,12 @@ Json health_json(const HealthReport& report) {
                               {"points", stage.points},
                               {"rms", stage.rms},
                               {"varying", stage.varying},
-                              {"entropy", number_or_null(stage.entropy)}});
+                              {"entropy", json_number(stage.entropy)}});
   }
   for (const ModuleHealth& module : report.modules) {
     json["modules"].push_back({{"module", module.module},
                                {"gradient_rms", module.gradient_rms},
-                               {"moved", number_or_null(module.moved)}});
+                               {"moved", json_number(module.moved)}});
   }
   return json;
 }

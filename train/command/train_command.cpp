@@ -11,6 +11,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/json_number.h"
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
 #include "lte/cli/command_files.h"
@@ -87,14 +88,13 @@ Json summary_json(const TrainConfig& config, const TrainSummary& summary) {
                {"steps", config.train.steps},
                {"finished", summary.step >= config.train.steps},
                {"loss", summary.loss},
-               {"best_val_loss", number_or_null(summary.best_loss)},
+               {"best_val_loss", json_number(summary.best_loss)},
                {"seconds", summary.seconds},
                {"wait_share", summary.wait_share},
                {"bad_scenes", summary.bad_scenes},
                {"peak_rss_mb", peak_rss_mb()}};
   if (summary.validation) {
-    for (const auto& [name, value] : summary.validation->fields())
-      json[name] = number_or_null(value);
+    for (const auto& [name, value] : summary.validation->fields()) json[name] = json_number(value);
   }
   return json;
 }
@@ -141,7 +141,7 @@ RunResult overfit(const RunOptions& options, const TrainConfig& config, at::Devi
                        {"steps", fit.steps},
                        {"queries", fit.queries},
                        {"psnr", fit.psnr},
-                       {"loss", number_or_null(fit.loss)},
+                       {"loss", json_number(fit.loss)},
                        {"reached", fit.reached()}};
     write_file(options.json, json.dump(2) + "\n");
   }

@@ -1,16 +1,13 @@
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
 #include "infer/eval/report/eval_report.h"
+#include "lte/base/json_number.h"
 #include "lte/base/process_memory.h"
 
 namespace lte::infer {
 namespace {
 
 using Json = nlohmann::json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 /// Makes {"points": {metric: value(&Score::points, k)}, "views": {..}} for every metric k.
 template <typename Value>
@@ -28,7 +25,7 @@ Json to_json(const Scores& scores) {
   for (const auto& entry : scores) {
     const Score& score = entry.second;
     out[entry.first] =
-        by_metric([&](auto member, size_t metric) { return number((score.*member)[metric]); });
+        by_metric([&](auto member, size_t metric) { return json_number((score.*member)[metric]); });
   }
   return out;
 }
@@ -38,29 +35,30 @@ Json to_json(const ScoreIntervals& intervals) {
   for (const auto& entry : intervals) {
     const ScoreInterval& bounds = entry.second;
     out[entry.first] = by_metric([&](auto member, size_t metric) {
-      return Json({number((bounds.low.*member)[metric]), number((bounds.high.*member)[metric])});
+      return Json(
+          {json_number((bounds.low.*member)[metric]), json_number((bounds.high.*member)[metric])});
     });
   }
   return out;
 }
 
 Json to_json(const EqualSamples& samples) {
-  return {{"all", number(samples.all)},
-          {"interval", {number(samples.interval.low), number(samples.interval.high)}},
-          {"median", number(samples.median)}};
+  return {{"all", json_number(samples.all)},
+          {"interval", {json_number(samples.interval.low), json_number(samples.interval.high)}},
+          {"median", json_number(samples.median)}};
 }
 
 Json scene_json(const EvalResult& result, size_t index) {
   const SceneResult& scene = result.scenes[index];
   Json samples = Json::object();
   for (const PredictorSamples& predictor : result.equal_samples) {
-    samples[predictor.name] = {{"points", number(predictor.points.scenes[index])},
-                               {"views", number(predictor.views.scenes[index])}};
+    samples[predictor.name] = {{"points", json_number(predictor.points.scenes[index])},
+                               {"views", json_number(predictor.views.scenes[index])}};
   }
   return {{"name", scene.name},
           {"emission_scalar", scene.radiance},
-          {"reference_noise_mse", number(scene.reference_noise)},
-          {"views_noise_mse", number(scene.views_noise)},
+          {"reference_noise_mse", json_number(scene.reference_noise)},
+          {"views_noise_mse", json_number(scene.views_noise)},
           {"points", scene.points},
           {"views", scene.views},
           {"encode_seconds", scene.encode_seconds},
@@ -99,8 +97,8 @@ std::string eval_json(const EvalResult& result, const std::string& checkpoint,
                        {"median", to_json(result.median_interval)}}},
                      {"equal_samples", samples},
                      {"variance_check",
-                      {{"ratio", number(result.variance_check.ratio)},
-                       {"exponent", number(result.variance_check.exponent)}}},
+                      {{"ratio", json_number(result.variance_check.ratio)},
+                       {"exponent", json_number(result.variance_check.exponent)}}},
                      {"per_scene", scenes},
                      {"seconds", {{"encode", encode}, {"decode", decode}}},
                      {"peak_rss_mb", peak_rss_mb()}};

@@ -1,9 +1,10 @@
 #include "infer/eval/scenes/figures_json.h"
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <utility>
+
+#include "lte/base/json_number.h"
 
 namespace lte::infer {
 namespace {
@@ -37,10 +38,6 @@ PairError error_of(const nlohmann::json& json) {
 }
 
 }  // namespace
-
-nlohmann::json json_number(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
 
 nlohmann::json figures_json(const MethodFigures& figures) {
   nlohmann::json whole = error_json(figures.whole);

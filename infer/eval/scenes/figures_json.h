@@ -12,7 +12,4 @@ nlohmann::json figures_json(const MethodFigures& figures);
 /// @throws nlohmann::json::exception
 MethodFigures figures_of(const nlohmann::json& json);
 
-/// null for what is not finite.
-nlohmann::json json_number(double value);
-
 }  // namespace lte::infer

@@ -6,7 +6,6 @@
 #include "infer/picture/surface_guides.h"
 #include "infer/renderer/quality.h"
 #include "lte/base/check.h"
-#include "lte/base/timer.h"
 #include "lte/base/to_number.h"
 #include "lte/embed/embed.h"
 #include "lte/embed/untrained_light.h"
@@ -68,15 +67,6 @@ SceneMethod method_of(const std::string& word, const SceneModel* model) {
   }
   return out;
 }
-
-class Stopwatch {
- public:
-  PictureSeconds seconds() const { return {timer_.seconds(), processor_seconds() - began_}; }
-
- private:
-  Timer timer_;
-  double began_ = processor_seconds();
-};
 
 bool asks_model(const std::string& word) {
   return word == "decoded" || parse_quality(word, "network").has_value();
@@ -155,7 +145,7 @@ std::string ScenePainter::not_for(const SceneMethod& method) const {
              : "";
 }
 
-PictureSeconds ScenePainter::embed(const SceneModel& model, embed::Reader reader) {
+Seconds ScenePainter::embed(const SceneModel& model, embed::Reader reader) {
   const Stopwatch watch;
   EmbedSettings settings;
   settings.reader = reader;
@@ -201,8 +191,7 @@ ScenePictures ScenePainter::paint(const SceneMethod& method) {
   } else {
     out.whole = std::move(frame.color);
   }
-  const PictureSeconds own = watch.seconds();
-  out.seconds = {out.seconds.wall + own.wall, out.seconds.processor + own.processor};
+  out.seconds = out.seconds + watch.seconds();
   settings.output = Output::Irradiance;
   out.irradiance =
       decodes ? std::move(frame.indirect) : renderer.render(view_.camera, settings).color;

@@ -10,6 +10,7 @@
 #include "infer/eval/scenes/scene_view.h"
 #include "infer/renderer/quality.h"
 #include "infer/renderer/render_settings.h"
+#include "lte/base/stopwatch.h"
 #include "lte/image/image.h"
 #include "lte/runtime/memory_limit.h"
 #include "lte/runtime/network.h"
@@ -55,15 +56,10 @@ bool asks_models(const std::vector<std::string>& words);
 std::vector<SceneMethod> scene_methods(const std::vector<std::string>& words,
                                        const std::vector<SceneModel>& models);
 
-/// Of a whole picture and of all that comes before it.
-struct PictureSeconds {
-  double wall = 0, processor = 0;  ///< the processor's are of all threads
-};
-
 struct ScenePictures {
   image::Image whole;       ///< radiance, [height, width, 3]
   image::Image irradiance;  ///< indirect, at pixel centres
-  PictureSeconds seconds;
+  Seconds seconds;          ///< of the whole picture and of all that comes before it
 };
 
 /// Pictures of one scene by one method after another, which share an embedding where they can.
@@ -84,12 +80,12 @@ class ScenePainter {
   ScenePictures paint(const SceneMethod& method);
 
  private:
-  PictureSeconds embed(const SceneModel& model, embed::Reader reader);
+  Seconds embed(const SceneModel& model, embed::Reader reader);
 
   SceneView& view_;
   Settings settings_;
   std::pair<const SceneModel*, int64_t> embedded_{};  ///< and by how many scene points
-  PictureSeconds embedding_seconds_;
+  Seconds embedding_seconds_;
 };
 
 /// A line for each model that sees a scene shrunk, as it is wider than the model knows.

@@ -30,7 +30,7 @@ struct ScenesOptions {
 struct MethodFigures {
   PairError irradiance, whole;
   double flip = 0, ssim = 0;  ///< of the tone-mapped whole picture against the references' mean
-  PictureSeconds seconds;
+  Seconds seconds;
 };
 
 struct MethodOutcome {
@@ -59,7 +59,7 @@ struct MethodSummary {
   int right = 0, of = 0;
   double worth_mean = 0;  ///< geometric
   double worth_median = 0, worth_least = 0;
-  PictureSeconds seconds;  ///< medians
+  Seconds seconds;  ///< medians
 };
 MethodSummary summary_of(const ScenesResult& result, size_t method);
 

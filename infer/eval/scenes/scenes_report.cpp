@@ -7,6 +7,7 @@
 
 #include "infer/eval/scenes/figures_json.h"
 #include "infer/eval/scenes/scenes.h"
+#include "lte/base/json_number.h"
 #include "lte/base/text.h"
 #include "lte/base/version.h"
 #include "lte/report/html.h"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace lte {
+namespace lte::experiments {
 
 struct ChartLine {
   std::string name;
@@ -27,4 +27,4 @@ struct ChartStyle {
 /// of them. A note instead of a chart if there is nothing to draw.
 std::string html_chart(const ChartStyle& style, const std::vector<ChartLine>& lines);
 
-}  // namespace lte
+}  // namespace lte::experiments

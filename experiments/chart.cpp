@@ -1,16 +1,16 @@
-#include "lte/report/chart.h"
+#include "experiments/chart.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "experiments/ticks.h"
 #include "lte/base/check.h"
 #include "lte/base/text.h"
 #include "lte/report/html.h"
-#include "lte/report/ticks.h"
 
-namespace lte {
+namespace lte::experiments {
 namespace {
 
 constexpr int kLeft = 66, kRight = 26, kTop = 30, kBottom = 44;
@@ -190,4 +190,4 @@ std::string html_chart(const ChartStyle& style, const std::vector<ChartLine>& li
   return canvas.finish();
 }
 
-}  // namespace lte
+}  // namespace lte::experiments

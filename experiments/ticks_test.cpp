@@ -1,14 +1,14 @@
 // Ticks of axes: inside, round, and always some.
-#include "lte/report/ticks.h"
+#include "experiments/ticks.h"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lte/report/chart.h"
+#include "experiments/chart.h"
 
-namespace lte {
+namespace lte::experiments {
 namespace {
 
 using testing::DoubleEq;
@@ -57,4 +57,4 @@ TEST(Ticks, StandOnAChartOfALossThatMovesLittle) {
 }
 
 }  // namespace
-}  // namespace lte
+}  // namespace lte::experiments

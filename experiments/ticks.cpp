@@ -1,9 +1,9 @@
-#include "lte/report/ticks.h"
+#include "experiments/ticks.h"
 
 #include <cmath>
 #include <initializer_list>
 
-namespace lte {
+namespace lte::experiments {
 namespace {
 
 constexpr double kWanted = 5;  // intervals of a linear axis
@@ -54,4 +54,4 @@ std::vector<double> log_ticks(double low, double high) {
   return out.size() < kEnough ? linear_ticks(low, high) : out;
 }
 
-}  // namespace lte
+}  // namespace lte::experiments

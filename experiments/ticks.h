@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace lte {
+namespace lte::experiments {
 
 /// Multiples of 1, 2 or 5 times a power of ten inside [low, high], some five of them. low < high.
 std::vector<double> linear_ticks(double low, double high);
@@ -13,4 +13,4 @@ std::vector<double> linear_ticks(double low, double high);
 /// else 1, 2 and 5 of each decade, else those of a linear axis.
 std::vector<double> log_ticks(double low, double high);
 
-}  // namespace lte
+}  // namespace lte::experiments
