@@ -1,18 +1,14 @@
 #include "bench/bake_rivals.h"
 
-#include <cerrno>
 #include <filesystem>
 #include <numeric>
 
-#include <fcntl.h>
 #include <nlohmann/json.hpp>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "infer/tool/tool_options.h"
 #include "lte/bake/lightmap.h"
 #include "lte/base/check.h"
+#include "lte/base/child_process.h"
 #include "lte/base/file.h"
 #include "lte/base/parallel.h"
 #include "lte/base/scratch_folder.h"
@@ -24,25 +20,6 @@ namespace lte::bench {
 namespace {
 
 constexpr const char* kCyclesScript = "scripts/validation/cycles_light_map.py";
-
-/// Runs a program to its end. @return its exit status; -1 if a signal ended it
-int run_program(std::vector<std::string> words) {
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = -1;
-  const int error =
-      posix_spawnp(&child, words[0].c_str(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) fail_on_file(words[0], "cannot start", error);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 /// Texels' light in the atlas, with the space between charts filled; what is dark stays 0.
 std::vector<float> picture_of(const MeasuredScene& m, std::vector<Rgb> light) {
@@ -114,10 +91,11 @@ void add_cycles(const MeasuredScene& m, const std::string& python, int samples, 
   map.mask = m.mask;
   map.layers.push_back({"light", std::vector<float>(3 * map.pixels(), 1)});
   bake::write_lightmap_glb(glb, map);
-  const int status = run_program(
-      {python, kCyclesScript, glb.string(), "--out", exr.string(), "--json", json.string(),
-       "--size", concat(map.width, "x", map.height), "--samples", std::to_string(samples), "--seed",
-       std::to_string(seed), "--threads", std::to_string(num_threads())});
+  ChildProcess cycles({python, kCyclesScript, glb.string(), "--out", exr.string(), "--json",
+                       json.string(), "--size", concat(map.width, "x", map.height), "--samples",
+                       std::to_string(samples), "--seed", std::to_string(seed), "--threads",
+                       std::to_string(num_threads())});
+  const int status = cycles.wait();
   LTE_CHECK(status == 0, "--cycles: ", python, " ", kCyclesScript, " ended with ", status);
   const nlohmann::json told = nlohmann::json::parse(read_file(json));
   const image::Image light = image::read_exr(exr);

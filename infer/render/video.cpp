@@ -4,17 +4,14 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
-#include <csignal>
 #include <cstdlib>
 #include <optional>
 #include <sstream>
+#include <utility>
 #include <vector>
 
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "lte/base/check.h"
@@ -99,34 +96,18 @@ Video::Video(const fs::path& path, int width, int height, int pictures_a_second)
   const std::vector<std::string> encoding = encoding_of(format);
   words.insert(words.end(), encoding.begin(), encoding.end());
   words.insert(words.end(), {"-f", format, "-y", "file:" + file_.temporary_path().string()});
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-
   std::array<int, 2> ends{-1, -1};
   words_ = memfd_create("ffmpeg", MFD_CLOEXEC);
   // A socket, as a write to a pipe that nobody reads would end this process.
   if (words_ < 0 || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     fail_on_file(path_, "cannot open a channel to ffmpeg", errno);
   input_ = ends[0];
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, words_, STDERR_FILENO);
-  const int error =
-      posix_spawn(&child_, program.c_str(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
+  ffmpeg_.emplace(std::move(words), ends[1], words_);
   close(ends[1]);
-  if (error != 0) {
-    child_ = -1;
-    fail_on_file(program, "cannot start", error);
-  }
 }
 
 Video::~Video() {
-  if (child_ > 0) kill(child_, SIGKILL);
-  wait();
+  if (input_ >= 0) close(input_);
   if (words_ >= 0) close(words_);
 }
 
@@ -147,16 +128,11 @@ void Video::finish() {
   file_.commit();
 }
 
-/// Ends its input and returns its exit status; -1 if a signal ended it, or it has ended before.
+/// Ends its input and returns its exit status.
 int Video::wait() {
   if (input_ >= 0) close(input_);
   input_ = -1;
-  if (child_ <= 0) return -1;
-  int status = 0;
-  while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
-  }
-  child_ = -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return ffmpeg_->wait();
 }
 
 void Video::fail() {

@@ -6,10 +6,9 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <optional>
 
-#include <sys/types.h>
-
+#include "lte/base/child_process.h"
 #include "lte/base/file.h"
 #include "lte/image/display_picture.h"
 
@@ -45,7 +44,7 @@ class Video {
   int width_, height_;
   AtomicFile file_;
   int input_ = -1, words_ = -1;  ///< descriptors: ffmpeg's input, and what it says
-  pid_t child_ = -1;
+  std::optional<ChildProcess> ffmpeg_;
 };
 
 }  // namespace lte::infer
