@@ -1,6 +1,5 @@
 #include "datagen/commands/bake_command.h"
 
-#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -47,10 +46,7 @@ void run_bake(BakeFlags flags) {
   const scene::Scene scene = load_and_report(flags.source);
   set_cameras(flags, scene, &flags.bake);
   files.check_what_was_read();
-  if (flags.validate_only) {
-    std::fputs(validation_line(flags.source.scene, scene).c_str(), stdout);
-    return;
-  }
+  if (flags.validate_only) return print_valid_scene(scene, flags.source.scene);
   LTE_CHECK(!flags.out.empty(), "--out is missing: name the .safetensors file to write");
   const data::SceneSample sample = bake_scene(scene, flags.bake, true);
   data::write_scene_sample(flags.out, sample);

@@ -35,11 +35,6 @@ scene::Scene load_and_report(const SceneSource& source) {
   return scene;
 }
 
-std::string validation_line(const std::string& path, const scene::Scene& scene) {
-  return concat(path, ": valid scene, ", scene.triangle_count(), " triangles, ",
-                scene.light_groups.size(), " light groups\n");
-}
-
 void write_json(const std::string& path, const std::string& text) {
   if (!path.empty()) write_file(path, text + "\n");
 }

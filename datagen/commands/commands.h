@@ -27,9 +27,6 @@ scene::Scene load_lit(const SceneSource& source);
 /// Says how much of it is metal.
 scene::Scene load_and_report(const SceneSource& source);
 
-/// The line that --validate-only prints for a scene that can be used.
-std::string validation_line(const std::string& path, const scene::Scene& scene);
-
 /// Writes `text` to `path` unless that is empty.
 void write_json(const std::string& path, const std::string& text);
 

@@ -1,6 +1,5 @@
 #include "datagen/commands/probe_command.h"
 
-#include <cstdio>
 #include <memory>
 
 #include "datagen/commands/info.h"
@@ -50,10 +49,7 @@ void run_probe(ProbeFlags* flags) {
   check_writable(flags->common.json);
   const scene::Scene scene = load_and_report(flags->source);
   files.check_what_was_read();
-  if (flags->validate_only) {
-    std::fputs(validation_line(flags->source.scene, scene).c_str(), stdout);
-    return;
-  }
+  if (flags->validate_only) return print_valid_scene(scene, flags->source.scene);
   LTE_CHECK(!flags->points.empty(),
             "--points is missing: name a CSV file with the header px,py,pz,nx,ny,nz");
   LTE_CHECK(!flags->out.empty(), "--out is missing: name the CSV file to write");

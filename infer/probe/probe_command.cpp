@@ -1,6 +1,5 @@
 #include "infer/probe/probe_command.h"
 
-#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -124,11 +123,7 @@ void run_probe(const ProbeRequest& request) {
     settings = embed_settings(request, *network,
                               embed::SurfacePlaces{points.position, points.normal}, renderer);
   }
-  if (request.validate_only) {
-    std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
-                static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
-    return;
-  }
+  if (request.validate_only) return print_valid_scene(scene, request.scene);
   const ProbeAnswer answer =
       renderer.has_light()
           ? answer_points(request, network ? &*network : nullptr, settings, points, &renderer)

@@ -401,11 +401,7 @@ void run_render(const RenderRequest& request) {
             "not know)");
   std::optional<FrameSet> frames = frames_of(request, views, scene, network);
   std::vector<View> all_views = views;
-  if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
-    std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
-                static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
-    return;
-  }
+  if (request.validate_only) return print_valid_scene(scene, request.scene);
   if (frames) {
     files.writes("--out", frames->manifest());
     files.check();

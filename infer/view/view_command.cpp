@@ -213,11 +213,7 @@ void run_view(const ViewRequest& request) {
   parse_host(request.host);
   if (request.validate_only) {
     const LoadedSession loaded = load_session(request, files);
-    const StatePtr state = loaded.session->state();
-    std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
-                static_cast<long long>(state->scene().triangle_count()),
-                state->scene().light_groups.size());
-    return;
+    return print_valid_scene(loaded.session->state()->scene(), request.scene);
   }
   Run run(request, files);
   run.serve();

@@ -1,5 +1,7 @@
 #include "lte/cli/scene_source.h"
 
+#include <cstdio>
+
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/pathtrace/placement/added_light.h"
@@ -64,6 +66,11 @@ void describe(const scene::Scene& scene, const std::string& path) {
            " instances, ", scene.light_groups.size(), " lights, ", scene.cameras.size(),
            " cameras, ", extent.x, " x ", extent.y, " x ", extent.z, " m");
   for (const std::string& ignored : scene.ignored) log_warning(path, ": ignored ", ignored);
+}
+
+void print_valid_scene(const scene::Scene& scene, const std::string& path) {
+  std::printf("%s: valid scene, %lld triangles, %zu light groups\n", path.c_str(),
+              static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
 }
 
 }  // namespace lte

@@ -36,4 +36,7 @@ scene::Scene load_source(const SceneSource& source, const std::string& camera = 
 /// Says what a scene is in a line of the log, and what of its file was ignored.
 void describe(const scene::Scene& scene, const std::string& path);
 
+/// The result of --validate-only, on standard output, under --quiet too.
+void print_valid_scene(const scene::Scene& scene, const std::string& path);
+
 }  // namespace lte
