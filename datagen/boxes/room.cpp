@@ -13,7 +13,8 @@ namespace lte::datagen::boxes {
 namespace {
 
 constexpr int kPlaceAttempts = 24;
-constexpr float kGap = 0.02f;           // metres between pieces, and between a piece and a wall
+constexpr float kGap = 0.02f;  // metres between pieces, and between a piece and a wall
+constexpr Rgb kWarmestLight{1.0f, 0.75f, 0.50f};
 constexpr float kDoorClearance = 0.8f;  // metres kept free on both sides of the doorway
 // In the order of quarter turns: where the back of a piece that faces +z comes to lie.
 constexpr unsigned kSideFaces[4] = {kNegZ, kNegX, kPosZ, kPosX};
@@ -197,9 +198,7 @@ bool RoomMaker::place_light(int room) {
   const Bounds box{low, {low.x + size.x, height(), low.z + size.z}};
   for (const Bounds& other : plan_.lights)
     if (overlap(box, other, 0.2f)) return false;
-  const float warmth = rng_.uniform();
-  Rgb tint = Rgb{0.80f, 0.90f, 1.0f} * (1 - warmth) + Rgb{1.0f, 0.75f, 0.50f} * warmth;
-  tint = tint / luminance(tint);
+  const Rgb tint = light_tint(rng_.uniform(), kWarmestLight);
   const int emitter = materials_.light(tint * log_uniform(config_.radiance, &rng_));
 
   const std::string name = concat("light ", plan_.lights.size());

@@ -23,8 +23,8 @@ Vec3 towards_sun(const Vec3& out, Rng* rng) {
 
 }  // namespace
 
-Rgb light_tint(float warmth) {
-  const Rgb color = mix(Rgb{0.8f, 0.9f, 1.0f}, Rgb{1.0f, 0.72f, 0.42f}, warmth);
+Rgb light_tint(float warmth, const Rgb& warmest) {
+  const Rgb color = mix(Rgb{0.8f, 0.9f, 1.0f}, warmest, warmth);
   return color / luminance(color);
 }
 

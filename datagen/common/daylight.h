@@ -6,8 +6,8 @@
 
 namespace lte::datagen {
 
-/// A white of luminance 1, from cool (warmth 0) to warm (1).
-Rgb light_tint(float warmth);
+/// A white of luminance 1, from cool (warmth 0) to `warmest` (1).
+Rgb light_tint(float warmth, const Rgb& warmest = {1.0f, 0.72f, 0.42f});
 
 /// What shines in at an opening.
 struct Daylight {
