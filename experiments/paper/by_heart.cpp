@@ -29,6 +29,7 @@ namespace {
 constexpr double kScale = 16;          // s, metres
 constexpr int64_t kHeldOutEvery = 10;  // of the queries
 constexpr int kLooks = 8;              // at the held-out error in the course of the time
+constexpr int64_t kBlock = 16'384;     // queries that are measured at a time
 constexpr double kGridRate = 1e-2, kLatentRate = 3e-3;
 
 struct ByHeartTrial : Trial {
@@ -97,11 +98,12 @@ at::Tensor answer(ByHeartImpl& network, const Task& task, const at::Tensor& rows
 /// Mean squared error over the mean square of the target.
 double relative_error(ByHeartImpl& network, const Task& task, const at::Tensor& rows) {
   double error = 0, square = 0;
-  train::in_blocks_of_rows(rows, [&](const at::Tensor& block) {
+  const at::NoGradGuard no_grad;
+  for (const at::Tensor& block : rows.split(kBlock)) {
     const at::Tensor target = task.target.index_select(0, block);
     error += (answer(network, task, block) - target).square().sum().item<double>();
     square += target.square().sum().item<double>();
-  });
+  }
   return error / square;
 }
 

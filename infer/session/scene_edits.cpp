@@ -124,15 +124,6 @@ Rgb LightSetting::scale() const {
   return Rgb{color->x / from.x, color->y / from.y, color->z / from.z} * factor;
 }
 
-int64_t SceneEdits::bytes() const {
-  size_t bytes = sizeof(SceneEdits) + instances.size() * sizeof(scene::Instance) +
-                 meshes.size() * sizeof(MeshUse) + materials.size() * sizeof(scene::Material) +
-                 lights.size() * sizeof(scene::PunctualLight) +
-                 settings.size() * sizeof(LightSetting) +
-                 (instance_labels.size() + material_labels.size()) * sizeof(Label);
-  return static_cast<int64_t>(bytes);
-}
-
 std::string unused_name(const std::string& name, const std::vector<std::string>& taken) {
   const auto is_taken = [&](const std::string& text) {
     return std::find(taken.begin(), taken.end(), text) != taken.end();

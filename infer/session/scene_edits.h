@@ -53,8 +53,6 @@ struct SceneEdits {
   std::optional<scene::Environment> environment;
   std::vector<LightSetting> settings;          ///< by light group
   size_t base_meshes = 0, base_materials = 0;  ///< the first ones, which always stay
-
-  int64_t bytes() const;
 };
 
 /// The next numbers of a session; they only grow.

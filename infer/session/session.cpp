@@ -58,7 +58,6 @@ EditReport& EditReport::operator+=(const EditReport& next) {
 struct Session::Implementation {
   std::shared_ptr<const SessionBase> base;
   EditReport first;
-  std::shared_ptr<const int> alive = std::make_shared<const int>(0);
 
   std::mutex editing;  ///< held while a state is made, for seconds; guards `ids`
   NextIds ids;
@@ -83,7 +82,6 @@ struct Session::Implementation {
     const StatePtr last = state();
     std::unique_ptr<SessionState::Parts> made =
         make_parts(base, std::move(edited), last ? &last->parts() : nullptr, wanted, report);
-    made->alive = alive;
     StatePtr next(new SessionState(std::move(made)));
     report->total_ms = 1e3 * timer.seconds();
     const std::lock_guard lock(mutex);
@@ -251,51 +249,6 @@ std::optional<EditReport> Session::separate(std::span<const int> lights, const S
     return std::nullopt;
   }
   return report;
-}
-
-AnswerChange Session::change_against_fresh(const runtime::QueryPoints& queries) const {
-  const Implementation& own = *implementation_;
-  const StatePtr state = own.state();
-  const std::vector<Rgb> here = state->irradiance(queries);
-  EditReport ignored;
-  const SessionState::Parts& parts = own.parts(state);
-  const auto base =
-      std::make_shared<const SessionBase>(own.base->scene, own.base->network, own.base->settings);
-  const std::vector<Rgb> fresh =
-      make_parts(base, parts.edits, nullptr, {.cameras = parts.cameras}, &ignored)->answer(queries);
-  AnswerChange change;
-  double sum = 0, squares = 0, squares_off = 0;
-  for (size_t i = 0; i < here.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const double off = double{here[i][c]} - fresh[i][c];
-      change.largest = std::max(change.largest, std::fabs(off));
-      squares_off += off * off;
-      squares += double{fresh[i][c]} * fresh[i][c];
-      sum += double{fresh[i][c]} / (3.0 * static_cast<double>(here.size()));
-    }
-  }
-  change.relative = sum > 0 ? change.largest / sum : change.largest;
-  change.rms = squares > 0 ? std::sqrt(squares_off / squares) : std::sqrt(squares_off);
-  return change;
-}
-
-SessionMemory Session::memory() const {
-  const Implementation& own = *implementation_;
-  SessionMemory out;
-  const StatePtr state = own.state();
-  const SessionState::Parts& parts = own.parts(state);
-  out.scene_bytes = scene_bytes(*parts.scene);
-  for (const ScaledLayer& each : parts.layers)
-    out.embedding_bytes += each.layer->embedding->info().bytes;
-  if (parts.records) out.record_bytes = parts.records->traced.bytes();
-  out.states = own.alive.use_count() - 1;
-  const std::lock_guard lock(own.mutex);
-  out.undo_steps = static_cast<int64_t>(own.before.size());
-  out.redo_steps = static_cast<int64_t>(own.after.size());
-  for (const std::deque<SceneEditsPtr>* steps : {&own.before, &own.after}) {
-    for (const SceneEditsPtr& step : *steps) out.undo_bytes += step->bytes();
-  }
-  return out;
 }
 
 }  // namespace lte::infer

@@ -136,8 +136,6 @@ class SessionState {
 
   /// Grows with every edit, undo and redo of its session. States of equal numbers answer the same.
   uint64_t version() const;
-  /// States of equal numbers have the same surfaces in the same places.
-  uint64_t geometry_version() const;
   Accuracy accuracy() const;
   /// The scene as edited, gains and colors included. Its indices are not the session's numbers.
   const scene::Scene& scene() const;
@@ -198,23 +196,6 @@ class SessionState {
 
 using StatePtr = std::shared_ptr<const SessionState>;
 
-/// The largest difference of two sessions' answers.
-struct AnswerChange {
-  double largest = 0;   ///< of a component of irradiance, W/m²
-  double relative = 0;  ///< that over the mean irradiance
-  double rms = 0;       ///< root mean square of the difference over that of the irradiance
-};
-
-/// Bytes and objects that a session holds.
-struct SessionMemory {
-  int64_t scene_bytes = 0;      ///< meshes of the state of now
-  int64_t embedding_bytes = 0;  ///< of all its layers
-  int64_t record_bytes = 0;     ///< light that gathered pictures read
-  int64_t undo_steps = 0, redo_steps = 0;
-  int64_t undo_bytes = 0;
-  int64_t states = 0;  ///< of this session that are alive, those that readers hold included
-};
-
 /// Owns the state of now and the way back. Thread-safe: edits wait for one another, readers for
 /// nothing.
 class Session {
@@ -272,13 +253,6 @@ class Session {
   /// than the next: all that are lit, if `lights` is empty. No step of undo().
   /// @return  nothing if `stop` has ended it
   std::optional<EditReport> separate(std::span<const int> lights = {}, const Stop& stop = {});
-
-  /// The largest difference between the answers of now and those of a session that begins with the
-  /// scene as edited. Costs as much as making one.
-  /// @throws lte::Error without a network
-  AnswerChange change_against_fresh(const runtime::QueryPoints& queries) const;
-
-  SessionMemory memory() const;
 
  private:
   struct Implementation;

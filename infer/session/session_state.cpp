@@ -57,7 +57,6 @@ SessionState::SessionState(std::unique_ptr<const Parts> parts) : parts_(std::mov
 SessionState::~SessionState() = default;
 
 uint64_t SessionState::version() const { return parts_->version; }
-uint64_t SessionState::geometry_version() const { return parts_->geometry_version; }
 Accuracy SessionState::accuracy() const { return parts_->accuracy; }
 const scene::Scene& SessionState::scene() const { return *parts_->scene; }
 const pathtrace::Bvh& SessionState::bvh() const { return *parts_->bvh; }

@@ -311,9 +311,7 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
   parts->scene = shown.scene;
   parts->bvh = shown.bvh;
   parts->lights = shown.lights;
-  const bool geometry = before == nullptr || !same_geometry(*before->edits, now);
-  report->bvh_rebuilt = geometry;
-  parts->geometry_version = (before != nullptr ? before->geometry_version : 0) + (geometry ? 1 : 0);
+  report->bvh_rebuilt = before == nullptr || !same_geometry(*before->edits, now);
   parts->cameras = wanted.cameras      ? without_repeats(*wanted.cameras)
                    : before != nullptr ? before->cameras
                                        : without_repeats(parts->base->settings.cameras);

@@ -56,8 +56,7 @@ struct SessionState::Parts {
   std::shared_ptr<const LightRecords> records;
   std::shared_ptr<LazyCache> cache;  ///< of the records, with the gains of now
   Accuracy accuracy = Accuracy::Full;
-  uint64_t version = 0, geometry_version = 0;
-  std::shared_ptr<const int> alive;  ///< counts the states of a session
+  uint64_t version = 0;
 
   /// Sums over the layers.
   std::vector<Rgb> answer(const runtime::QueryPoints& queries) const;

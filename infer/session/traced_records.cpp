@@ -38,13 +38,6 @@ gi::RecordLight TracedRecords::light_of(std::span<const int> of_groups,
   return out;
 }
 
-int64_t TracedRecords::bytes() const {
-  constexpr size_t kEntry = 2 * sizeof(Vec3) + sizeof(Rgb) + sizeof(float) + sizeof(size_t);
-  return static_cast<int64_t>(places.position.size() * kEntry +
-                              2 * places.start.size() * sizeof(Vec3) +
-                              (direct.size() + indirect.size()) * sizeof(Rgb));
-}
-
 TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                             const render::CacheSettings& settings, render::Method method,
                             const std::function<void()>& check) {

@@ -21,7 +21,6 @@ struct TracedRecords {
   /// The light of some groups, each times its gain by channel, an entry each.
   /// @throws lte::Error for a group that there is not, or another number of gains.
   gi::RecordLight light_of(std::span<const int> of_groups, std::span<const Rgb> gains) const;
-  int64_t bytes() const;
 };
 
 /// Traces what render::make_cache() of these settings has in its records, by light group: for

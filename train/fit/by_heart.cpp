@@ -13,7 +13,6 @@ namespace lte::train {
 namespace {
 
 constexpr double kLastRate = 0.01;  ///< of the first
-constexpr int64_t kBlock = 16'384;
 
 double rate_factor(double share) {
   return kLastRate + (1 - kLastRate) * 0.5 * (1 + std::cos(std::numbers::pi * share));
@@ -44,13 +43,6 @@ int64_t learn_by_heart(const ByHeart& task, const ByHeartLimits& limits,
     if (!look(steps, seconds)) break;
   }
   return steps;
-}
-
-void in_blocks_of_rows(const at::Tensor& rows,
-                       const std::function<void(const at::Tensor& block)>& visit) {
-  const at::NoGradGuard no_grad;
-  for (int64_t begin = 0; begin < rows.size(0); begin += kBlock)
-    visit(rows.slice(0, begin, begin + kBlock));
 }
 
 }  // namespace lte::train

@@ -37,8 +37,4 @@ struct ByHeartLimits {
 int64_t learn_by_heart(const ByHeart& task, const ByHeartLimits& limits,
                        const std::function<bool(int64_t steps, double seconds)>& look);
 
-/// Calls visit(rows) with the rows in blocks, without gradients: what is measured at many queries.
-void in_blocks_of_rows(const at::Tensor& rows,
-                       const std::function<void(const at::Tensor& block)>& visit);
-
 }  // namespace lte::train

@@ -48,7 +48,7 @@ class LightTree {
     uint32_t index = 0;  ///< of the second child (the first follows its parent), or of the light
     bool leaf = false;
   };
-  /// The clusters of a node's two children as cluster_importance() needs them.
+  /// The clusters of a node's two children as their importance needs them.
   struct Children {
     float x[2], y[2], z[2], radius2[2];  ///< of the sphere around the bounds
     float axis_x[2], axis_y[2], axis_z[2];
@@ -102,9 +102,5 @@ class LightTreeWalk {
   uint64_t point_ = 0;
   std::array<Entry, 512> entries_;
 };
-
-/// An upper estimate, up to a factor, of what a cluster brings to a point: zero only if it brings
-/// nothing.
-float cluster_importance(const LightCluster& cluster, const Vec3& position, const Vec3& normal);
 
 }  // namespace lte::pathtrace

@@ -58,13 +58,13 @@ TEST(Accuracy, RefinedLightIsThatOfAFreshSessionBitByBit) {
       EXPECT_EQ(edits->encodings, 1);
       EXPECT_FALSE(session.refine(Accuracy::Coarse)) << "it is so already";
       ASSERT_TRUE(session.refine(Accuracy::Full));
-      EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+      EXPECT_EQ(change_against_fresh(session, points.queries()).largest, 0);
       EXPECT_FALSE(session.refine(Accuracy::Full));
     }
     while (session.undo(Accuracy::Kept)) {
     }
     session.refine();
-    EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+    EXPECT_EQ(change_against_fresh(session, points.queries()).largest, 0);
   }
 }
 
@@ -76,7 +76,7 @@ TEST(Accuracy, DimmingNeedsNoLessAccurateLight) {
       << "it is encoded apart first";
   EXPECT_EQ(session.refine(Accuracy::Coarse)->accuracy, Accuracy::Full) << "the points are there";
   EXPECT_EQ(session.apply(SetLight{0, 0.2, {}}, false, Accuracy::Kept).accuracy, Accuracy::Full);
-  EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+  EXPECT_EQ(change_against_fresh(session, points.queries()).largest, 0);
   session.apply(MoveInstance{1, kElsewhere}, false, Accuracy::Kept);
   EXPECT_EQ(session.undo(Accuracy::Kept)->accuracy, Accuracy::Full) << "all of it was kept";
 }
@@ -114,7 +114,7 @@ TEST(Accuracy, WhatIsStoppedHasNotHappened) {
     ASSERT_LT(attempts, 10000);
   }
   EXPECT_GT(attempts, 2) << "points, light and encodings can be ended";
-  EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+  EXPECT_EQ(change_against_fresh(session, points.queries()).largest, 0);
   EXPECT_FALSE(session.separate({}, [] { return true; }));
   EXPECT_TRUE(session.separate());
 }
@@ -135,7 +135,7 @@ TEST(Accuracy, ADraftByTheShippedModelIsNearAFreshSession) {
   ASSERT_GT(edits.size(), 3u) << "an armchair and a lamp";
   session.apply(edits, false, Accuracy::Kept);
   session.refine(Accuracy::Coarse);
-  const AnswerChange change = session.change_against_fresh(points.queries());
+  const AnswerChange change = change_against_fresh(session, points.queries());
   EXPECT_GT(change.rms, 0);
   EXPECT_LT(change.rms, kMaxRms);
   EXPECT_LT(change.relative, kMaxChange);

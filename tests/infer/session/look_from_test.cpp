@@ -72,7 +72,7 @@ TEST(LookFrom, OtherCamerasBringOtherLight) {
   EXPECT_EQ(out->encodings, 1);
   EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.lamp, rooms.other_lamp));
   EXPECT_NE(session.state()->irradiance(points.queries()), inside);
-  EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+  EXPECT_EQ(change_against_fresh(session, points.queries()).largest, 0);
   EXPECT_FALSE(session.can_undo()) << "nothing has been edited";
   ASSERT_TRUE(session.look_from({TwoRooms::inside(), TwoRooms::outside()}));
   EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp));

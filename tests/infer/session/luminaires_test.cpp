@@ -144,7 +144,7 @@ TEST(Session, AColorWithoutRedCanBecomeRed) {
   const Points points(room);
   Session session(room, network());
   session.apply(SetLight{0, 0.5, Rgb{1, 0, 0}});
-  EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+  EXPECT_EQ(change_against_fresh(session, points.queries()).largest, 0);
   EXPECT_EQ(session.state()->scene().materials[3].emission, (Rgb{4, 0, 0}));
   EXPECT_EQ(session.apply(SetLight{0, 0.5, Rgb{0, 1, 1}}).encodings, 0);
   EXPECT_EQ(session.state()->scene().materials[3].emission, (Rgb{0, 4, 4}));

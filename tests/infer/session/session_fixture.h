@@ -7,6 +7,7 @@
 
 #include "infer/renderer/renderer.h"
 #include "infer/session/session.h"
+#include "infer/session/state.h"
 #include "lte/scene/export.h"
 #include "lte/scene/load.h"
 #include "lte/scene/sampler.h"
@@ -70,6 +71,40 @@ inline double largest_difference(const std::vector<Rgb>& a, const std::vector<Rg
     for (int c = 0; c < 3; ++c) out = std::max(out, std::fabs(double{a[i][c]} - b[i][c]));
   }
   return out;
+}
+
+/// The largest difference of two sessions' answers.
+struct AnswerChange {
+  double largest = 0;   ///< of a component of irradiance, W/m²
+  double relative = 0;  ///< that over the mean irradiance
+  double rms = 0;       ///< root mean square of the difference over that of the irradiance
+};
+
+/// The answers of now beside those of a session that begins with the scene as edited.
+inline AnswerChange change_against_fresh(const Session& session,
+                                         const runtime::QueryPoints& queries) {
+  const StatePtr state = session.state();
+  const SessionState::Parts& parts = state->parts();
+  const std::vector<Rgb> here = state->irradiance(queries);
+  EditReport ignored;
+  const auto base = std::make_shared<const SessionBase>(parts.base->scene, parts.base->network,
+                                                        parts.base->settings);
+  const std::vector<Rgb> fresh =
+      make_parts(base, parts.edits, nullptr, {.cameras = parts.cameras}, &ignored)->answer(queries);
+  AnswerChange change;
+  double sum = 0, squares = 0, squares_off = 0;
+  for (size_t i = 0; i < here.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const double off = double{here[i][c]} - fresh[i][c];
+      change.largest = std::max(change.largest, std::fabs(off));
+      squares_off += off * off;
+      squares += double{fresh[i][c]} * fresh[i][c];
+      sum += double{fresh[i][c]} / (3.0 * static_cast<double>(here.size()));
+    }
+  }
+  change.relative = sum > 0 ? change.largest / sum : change.largest;
+  change.rms = squares > 0 ? std::sqrt(squares_off / squares) : std::sqrt(squares_off);
+  return change;
 }
 
 inline double mean_of(const std::vector<Rgb>& values) {

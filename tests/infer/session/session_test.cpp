@@ -65,7 +65,7 @@ TEST(Session, AnswersAreThoseOfAFreshSession) {
     Session session(room, network(input, /*pruned=*/input == nn::LightInput::Traced,
                                   /*suns=*/true));  // the network is asked under a sky, too
     const auto expect_fresh = [&](const char* what) {
-      EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0) << what;
+      EXPECT_EQ(change_against_fresh(session, points.queries()).largest, 0) << what;
     };
     session.apply(SetLight{0, 0.5, {}});
     expect_fresh("dimmed");
@@ -217,7 +217,14 @@ TEST(Session, RandomEditsDoNotMakeItGrow) {
   settings.undo_steps = 20;
   Session session(room, network(nn::LightInput::Emission), settings);
   session.apply(SetLight{0, 0.9, {}});  // few layers, as each is encoded after every move
-  const SessionMemory before = session.memory();
+  const auto embedding_bytes = [&] {
+    int64_t sum = 0;
+    for (const ScaledLayer& each : session.state()->parts().layers)
+      sum += each.layer->embedding->info().bytes;
+    return sum;
+  };
+  const int64_t scene_before = scene_bytes(session.state()->scene()), before = embedding_bytes();
+  std::vector<std::weak_ptr<const SessionState>> states;
   Rng rng(3, 0);
   const auto uniform = [&] { return static_cast<float>(rng.next_u64() >> 40) * 0x1p-24f; };
   std::vector<int> added_instances, added_lights;
@@ -256,16 +263,20 @@ TEST(Session, RandomEditsDoNotMakeItGrow) {
       default:
         session.apply(SetLight{0, 2.0 * uniform(), {}});
     }
+    states.push_back(session.state());
   }
   while (!added_instances.empty()) session.apply(RemoveInstance{take(&added_instances)});
   while (!added_lights.empty()) session.apply(RemoveLight{take(&added_lights)});
-  const SessionMemory after = session.memory();
-  EXPECT_EQ(after.scene_bytes, before.scene_bytes);
-  EXPECT_LE(after.embedding_bytes, before.embedding_bytes * 6 / 5) << "the points differ";
-  EXPECT_EQ(after.states, 1);
-  EXPECT_EQ(after.undo_steps, 20);
+  EXPECT_EQ(scene_bytes(session.state()->scene()), scene_before);
+  EXPECT_LE(embedding_bytes(), before * 6 / 5) << "the points differ";
+  const StatePtr now = session.state();
+  for (const auto& state : states)
+    EXPECT_TRUE(state.expired() || state.lock() == now) << "a state that nobody reads";
   EXPECT_EQ(session.state()->luminaires().size(), 3u);
   EXPECT_EQ(session.state()->instances().size(), room.instances.size());
+  int steps = 0;
+  while (session.undo(Accuracy::Kept)) ++steps;
+  EXPECT_EQ(steps, settings.undo_steps);
 }
 
 }  // namespace

@@ -194,7 +194,7 @@ TEST(EditedByNetwork, TheLightOfAMoveFollows) {
   });
   ASSERT_FALSE(full.empty());
   EXPECT_EQ(test::frame_header(full).at("light"), "full");
-  EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+  EXPECT_EQ(session_test::change_against_fresh(session, points.queries()).largest, 0);
   const auto all_apart = [&] {
     const auto lights = editor.made().state->luminaires();
     return std::all_of(lights.begin(), lights.end(),

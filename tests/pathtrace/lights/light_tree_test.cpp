@@ -11,6 +11,9 @@
 namespace lte::pathtrace {
 namespace {
 
+float safe_sqrt(float x) { return std::sqrt(std::max(0.0f, x)); }
+float sine(float cosine) { return safe_sqrt(1 - cosine * cosine); }
+
 Vec3 random_unit(Rng& rng) {
   const float z = rng.uniform(-1, 1), phi = 2 * kPi * rng.uniform(), r = std::sqrt(1 - z * z);
   return {r * std::cos(phi), r * std::sin(phi), z};
@@ -63,6 +66,41 @@ TEST(LightTree, ProbabilitiesAreADistributionAndThoseOfItsDraws) {
     for (uint32_t i = 0; i < lights.size(); ++i)  // u is a regular grid, cut into few intervals
       EXPECT_NEAR(drawn[i] / double{kDraws}, tree.probability(position, normal, i), 2e-3) << i;
   }
+}
+
+/// cos(max(0, a − b)) and sin(max(0, a − b)) of angles in [0, π].
+float cos_difference(float sin_a, float cos_a, float sin_b, float cos_b) {
+  return cos_a > cos_b ? 1 : cos_a * cos_b + sin_a * sin_b;
+}
+float sin_difference(float sin_a, float cos_a, float sin_b, float cos_b) {
+  return cos_a > cos_b ? 0 : sin_a * cos_b - cos_a * sin_b;
+}
+
+/// An upper estimate, up to a factor, of what a cluster brings to a point, by scalars.
+float cluster_importance(const LightCluster& cluster, const Vec3& position, const Vec3& normal) {
+  const Vec3 offset = position - cluster.bounds.center();
+  const Vec3 half = cluster.bounds.extent() * 0.5f;
+  const float radius2 = dot(half, half), distance2 = dot(offset, offset);
+  const float d2 = std::max(distance2, radius2);
+  if (!(d2 > 0)) return cluster.power;  // on a light without extent
+  const Vec3 from_light = distance2 > 0 ? offset * (1 / std::sqrt(distance2)) : Vec3{0, 0, 1};
+  // The cone that the bounding sphere is seen under; all directions from inside.
+  const float cos_b = distance2 <= radius2 * 1.0001f ? -1 : safe_sqrt(1 - radius2 / distance2);
+  const float sin_b = sine(cos_b);
+  float cos_w = std::clamp(dot(cluster.axis, from_light), -1.0f, 1.0f);
+  if (cluster.two_sided) cos_w = std::fabs(cos_w);
+  const float sin_w = sine(cos_w), sin_o = sine(cluster.cos_o);
+  const float cos_x = cos_difference(sin_w, cos_w, sin_o, cluster.cos_o);
+  const float sin_x = sin_difference(sin_w, cos_w, sin_o, cluster.cos_o);
+  const float cos_emitted = cos_difference(sin_x, cos_x, sin_b, cos_b);
+  if (cos_emitted <= cluster.cos_e) return 0;
+  // Spots shine less than half around, but all that they do counts: no cosine law for them.
+  float importance = cluster.power * std::max(cos_emitted, 0.0f) / d2;
+  if (dot(normal, normal) > 0) {
+    const float cos_i = std::clamp(-dot(from_light, normal), -1.0f, 1.0f);
+    importance *= std::max(0.0f, cos_difference(sine(cos_i), cos_i, sin_b, cos_b));
+  }
+  return importance;
 }
 
 /// The tree works out both children of a node at once.
