@@ -17,6 +17,7 @@
 
 #include "bench/begin_command.h"
 #include "bench/pareto/pareto.h"
+#include "experiments/attention/closest_point.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
@@ -29,7 +30,6 @@
 #include "lte/image/tonemap.h"
 #include "lte/pathtrace/gbuffer.h"
 #include "lte/runtime/attention.h"
-#include "lte/scene/closest_point.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::experiments {
@@ -78,7 +78,7 @@ void add_options(CLI::App& app, Request* request) {
 scene::Surface point_of(const Request& request, const pathtrace::Bvh& bvh, const Vec3& viewer) {
   const Vec3 place{request.point[0], request.point[1], request.point[2]};
   const float reach = kReach * max_component(bvh.bounds().extent());
-  scene::ClosestPoint found = scene::closest_point(bvh.scene(), place);
+  ClosestPoint found = closest_point(bvh.scene(), place);
   LTE_CHECK(found.distance <= reach, "--point ", place.x, ",", place.y, ",", place.z,
             ": there is no surface within ", reach, " m of it");
   if (dot(found.surface.normal, viewer - found.surface.position) < 0)

@@ -197,7 +197,7 @@ std::shared_ptr<const LightLayer> encode_layer(const SceneEdits& edits,
   embed::LitSamples lit;
   if (points.light)
     lit.light = sum_of(*points.light, count, groups, layer->gains, network.light_request());
-  runtime::EncodeOptions options{settings.rescale, {}, settings.memory, settings.record_attention};
+  runtime::EncodeOptions options{settings.rescale, {}, settings.memory};
   if (rows.size() == count) {
     lit.surface = points.surface;
   } else {

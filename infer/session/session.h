@@ -46,9 +46,7 @@ struct SessionSettings {
   /// How pictures get their indirect light. Gather takes over from Network in a scene with light
   /// that the network was not trained with. Path: no cache is kept.
   Method pictures = Method::Path;
-  render::CacheSettings cache = {};  ///< of gather and network; the seed is the embedding's
-  /// Whom SessionState::record_attention() asks in a session without a network. May be null.
-  std::function<runtime::Network()> attention_of = {};
+  render::CacheSettings cache = {};         ///< of gather and network; the seed is the embedding's
   int undo_steps = 100;                     ///< that are kept
   std::vector<scene::Camera> cameras = {};  ///< as of Session::look_from()
 };
@@ -171,12 +169,6 @@ class SessionState {
   /// network that predicts that.
   /// @throws lte::Error without a network, and as SceneEmbedding::decode()
   std::vector<Rgb> irradiance(const runtime::QueryPoints& queries) const;
-
-  /// An embedding that keeps what the encoder attends to (lte/runtime/attention.h): the scene is
-  /// encoded once more. Of luminaires that are encoded apart it has the others, or else the first;
-  /// where traced light answers, all at their gains.
-  /// @throws lte::Error where the network does not answer and is none that could be asked
-  std::shared_ptr<const runtime::SceneEmbedding> record_attention() const;
 
   /// What lies under the image point (x, y) in [0, 1]², (0, 0) top left; nothing for background.
   std::optional<Pick> pick(const scene::Camera& camera, float x, float y, float aspect) const;

@@ -171,29 +171,6 @@ std::vector<Rgb> SessionState::irradiance(const runtime::QueryPoints& queries) c
   return parts_->answer(queries);
 }
 
-std::shared_ptr<const runtime::SceneEmbedding> SessionState::record_attention() const {
-  const SceneEdits& edits = *parts_->edits;
-  EmbedSettings settings = parts_->base->settings.embedding;
-  settings.record_attention = true;
-  if (!parts_->layers.empty()) {
-    const LightLayer& first = *parts_->layers.front().layer;
-    LightGroups wanted{.groups = {}, .as_dimmed = !first.gains.empty()};
-    for (const int light : first.lights)
-      wanted.groups.push_back(static_cast<int>(group_of(edits, light)));
-    return encode_layer(edits, first.points, wanted, *parts_->base->network, settings)->embedding;
-  }
-  const std::vector<LightGroups> all = layers_together(edits);
-  const auto& network_of = parts_->base->settings.attention_of;
-  LTE_CHECK(parts_->answered_by == Method::Gather && network_of && !all.empty(),
-            "there is no attention to look at: the network answers for no light of this scene");
-  const runtime::Network network = network_of();
-  EditReport ignored;
-  const Traced scene = trace(*parts_->base, edits, /*lit=*/false, &ignored);
-  const auto points = std::make_shared<const GroupedPoints>(
-      draw_points(*scene.bvh, *scene.lights, network, settings, {}, Accuracy::Full, {}, &ignored));
-  return encode_layer(edits, points, all.front(), network, settings)->embedding;
-}
-
 std::optional<Pick> SessionState::pick(const scene::Camera& camera, float x, float y,
                                        float aspect) const {
   const pathtrace::Hit hit =

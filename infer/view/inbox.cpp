@@ -36,11 +36,6 @@ bool Inbox::replace(const Pending& pending) {
       merge(*later, view);
       return true;
     }
-    if (std::holds_alternative<LookInside>(pending.request) &&
-        std::holds_alternative<LookInside>(at->request) && pending.client == at->client) {
-      *at = pending;
-      return true;
-    }
     const auto* edit = std::get_if<MakeEdit>(&pending.request);
     const auto* before = std::get_if<MakeEdit>(&at->request);
     if (edit != nullptr && before != nullptr && same_target(edit->edit, before->edit) &&
@@ -73,7 +68,6 @@ void Inbox::forget(int client) {
   last_number_.erase(client);
   std::erase_if(pending_, [&](const Pending& pending) {
     const bool asks = std::holds_alternative<PickAt>(pending.request) ||
-                      std::holds_alternative<LookInside>(pending.request) ||
                       std::holds_alternative<Save>(pending.request);
     return asks && pending.client == client;
   });

@@ -66,11 +66,6 @@ SessionSettings settings_of(const ViewRequest& request) {
   return settings;
 }
 
-/// Nobody but who looks at its attention waits for the network of a gathered picture.
-void show_attention_of(const ViewRequest& request, SessionSettings* settings) {
-  settings->attention_of = [request] { return load_network(request); };
-}
-
 }  // namespace
 
 LoadedSession load_session(const ViewRequest& request, const CommandFiles& files) {
@@ -84,7 +79,6 @@ LoadedSession load_session(const ViewRequest& request, const CommandFiles& files
   std::optional<runtime::Network> network;
   if (lit && request.integrator == "network") network = load_network(request);
   SessionSettings settings = settings_of(request);
-  if (lit && !network) show_attention_of(request, &settings);
   LoadedSession out;
   {
     const pathtrace::Bvh bvh(scene);

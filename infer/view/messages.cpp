@@ -164,16 +164,6 @@ LightSetting read_light(Fields* fields) {
   return light;
 }
 
-LookInside read_look(Fields* fields) {
-  LookInside look;
-  look.position = fields->vector("position", -kFarthest, kFarthest);
-  look.normal = normalize(fields->vector("normal", -1, 1));
-  LTE_CHECK(length(look.normal) > 0.5f, "message look: normal: expected a direction");
-  look.block = fields->text("block");
-  look.head = static_cast<int>(fields->integer("head", -1, kMaxIndex));
-  return look;
-}
-
 AddLamp read_lamp(Fields* fields) {
   AddLamp lamp;
   const auto kind = fields->word<LampKind>("kind");
@@ -211,7 +201,6 @@ Request read_request(const std::string& type, Fields* fields) {
     return PickAt{static_cast<float>(fields->number("x", 0, 1)),
                   static_cast<float>(fields->number("y", 0, 1))};
   }
-  if (type == "look") return read_look(fields);
   if (type == "save") return Save{fields->word<SaveFormat>("format")};
   if (type == "undo") return Undo{};
   if (type == "redo") return Redo{};

@@ -60,12 +60,6 @@ struct RemoveLamp {
 struct PickAt {
   float x = 0, y = 0;
 };
-/// Asks what the network looks at for a point of a surface (attention_view.h).
-struct LookInside {
-  Vec3 position, normal;  ///< normal: the side asked about
-  std::string block = "decoder";
-  int head = -1;  ///< -1: the mean over all
-};
 enum class SaveFormat { Png, Exr, Camera, Glb };
 struct Save {
   SaveFormat format = SaveFormat::Png;
@@ -79,9 +73,8 @@ struct Shows {
   int64_t picture = 0;
 };
 
-using Request =
-    std::variant<Hello, MoveCamera, ChangeView, MakeEdit, CopyObject, RemoveObject, AddLamp,
-                 RemoveLamp, PickAt, LookInside, Save, Undo, Redo, Reset, Shows>;
+using Request = std::variant<Hello, MoveCamera, ChangeView, MakeEdit, CopyObject, RemoveObject,
+                             AddLamp, RemoveLamp, PickAt, Save, Undo, Redo, Reset, Shows>;
 
 /// Whether a request is one of these.
 template <typename... Types>

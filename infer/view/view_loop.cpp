@@ -126,12 +126,6 @@ void ViewLoop::handle(const Pending& pending) {
         static_cast<float>(view_.size.width) / static_cast<float>(view_.size.height);
     pages_->tell(pending.client, picked_reply(pick(*made_.state, *made_.scene, view_.camera, aspect,
                                                    at->x, at->y)));
-  } else if (const auto* look = std::get_if<LookInside>(&pending.request)) {
-    try {
-      pages_->tell(pending.client, attention_.answer(*made_.state, view_.camera, *look));
-    } catch (const std::exception& error) {
-      pages_->tell(pending.client, error_reply(first_line(error.what())));
-    }
   } else if (const auto* what = std::get_if<Save>(&pending.request)) {
     try {
       save(pending.client, what->format);

@@ -11,7 +11,6 @@
 #include <string>
 #include <thread>
 
-#include "infer/view/attention_view.h"
 #include "infer/view/display_layers.h"
 #include "infer/view/editor.h"
 #include "infer/view/inbox.h"
@@ -48,7 +47,7 @@ class ViewLoop {
   /// Ends the thread, after what it is doing. Nothing it was asked for happens any more.
   void stop();
 
-  /// Takes MoveCamera, ChangeView, PickAt, LookInside, and Save of a picture or camera.
+  /// Takes MoveCamera, ChangeView, PickAt, and Save of a picture or camera.
   /// @return  false if too much waits already
   bool post(int client, int64_t number, const Request& request);
   void forget(int client) { inbox_.forget(client); }
@@ -83,7 +82,6 @@ class ViewLoop {
   ViewState view_;
   Inbox inbox_;
   Progressive progressive_;
-  AttentionView attention_;
   Editor::Made made_;  ///< that is shown
   std::map<int, Handled> handled_;
   /// Exposures before `ev`, of radiance and of irradiance; nothing before the first picture.

@@ -29,10 +29,6 @@ bool is_sound(const Message& message) {
     return !view->size || (view->size->width >= kMinSide && view->size->width <= kMaxSide &&
                            view->size->height >= kMinSide && view->size->height <= kMaxSide);
   }
-  if (const auto* look = std::get_if<LookInside>(&message.request)) {
-    return finite(look->position) && std::fabs(lte::length(look->normal) - 1) < 1e-3f &&
-           look->block.size() <= kMaxWordBytes && look->head >= -1;
-  }
   if (const auto* copy = std::get_if<CopyObject>(&message.request))
     return copy->object >= 0 && finite(copy->move);
   if (const auto* lamp = std::get_if<AddLamp>(&message.request))

@@ -1,5 +1,4 @@
 // Puts the page together: what the server says goes to the store, what hands do to the server.
-import { Attention } from "./attention.js";
 import { project, withTargetAt } from "./camera.js";
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
@@ -39,7 +38,6 @@ const connection = new Connection({
   open: () => setPhase("loading", "Loading the scene …"),
   lost() {
     waiting.length = 0;
-    attention.refused();
     if (document.body.dataset.phase !== "failed") setPhase("lost", "The server does not answer. Trying again …");
   },
   message: (message) => handlers[message.type]?.(message),
@@ -72,11 +70,7 @@ const handlers = {
     if (message.object >= 0) store.select(store.placeOf("object", message.object));
     showTab(message.object >= 0 ? "objects" : "lights");
   },
-  attention: (message) => attention.show(message),
-  error(message) {
-    attention.refused();
-    toast(message.message);
-  },
+  error: (message) => toast(message.message),
   failed: (message) => setPhase("failed", message.message),
 };
 
@@ -214,7 +208,6 @@ function addLamp(kind) {
 const controls = new Controls(store, picture, {
   camera: setCamera,
   pick: (x, y) => pick(x, y, (met) => {
-    if (attention.takes(met)) return;
     store.select(met.object === store.object && met.object >= 0 ? store.object : met.object, met.material);
     if (met.object >= 0) showTab("objects");
   }),
@@ -228,8 +221,6 @@ new LightsPanel(store, { edit: editLight, add: addLamp, newGesture,
 new MaterialsPanel(store, editMaterial, newGesture);
 new ObjectsPanel(store, { place, material: editMaterial, focus: () => controls.focusSelection(), newGesture,
                           copy: copySelected, remove: removeSelected });
-const attention = new Attention(store, picture,
-  (question) => connection.send({ type: "look", ...question }) > 0);
 const viewPanel = new ViewPanel(store, {
   view: (change) => send({ type: "view", ...change }),
   camera: setCamera,
@@ -273,7 +264,6 @@ function showTab(name) {
     tab.setAttribute("aria-selected", String(chosen));
     byId(tab.dataset.tab).hidden = !chosen;
   }
-  attention.setActive(name === "attention");
 }
 
 for (const tab of document.querySelectorAll("[data-tab]")) {
@@ -298,4 +288,4 @@ function caughtUp() {
 }
 
 // For the console, and for tests.
-globalThis.lteView = { store, picture, send, meter, attention, project, caughtUp };
+globalThis.lteView = { store, picture, send, meter, project, caughtUp };

@@ -14,7 +14,6 @@ export class Picture {
     this.shown = shown;
     this.aspect = 4 / 3;
     this.newest = 0;
-    this.drawings = [];  // of others, over the picture: functions of the overlay's context
     new ResizeObserver(() => this.fit()).observe(this.viewport);
     for (const event of ["selection", "edits", "scene", "placing"]) {
       store.on(event, () => this.drawOverlay());
@@ -69,7 +68,6 @@ export class Picture {
     const { overlay } = this;
     const context = overlay.getContext("2d");
     context.clearRect(0, 0, overlay.width, overlay.height);
-    for (const draw of this.drawings) draw(context);
     const points = this.outline();
     if (!points) return;
     context.lineWidth = 1.5 * devicePixelRatio;

@@ -7,7 +7,6 @@
 #include "infer/session/session.h"
 #include "infer/session/state.h"
 #include "lte/base/check.h"
-#include "lte/runtime/attention.h"
 #include "lte/scene/luminaire_power.h"
 #include "tests/infer/session/session_fixture.h"
 #include "tests/support/every_light.h"
@@ -147,15 +146,6 @@ TEST(GatheredSession, LightThatNoNetworkKnowsIsGathered) {
   EXPECT_FALSE(session.state()->has_network());
   expect_same(session.state()->render(camera(), gathered_picture()).color,
               by_renderer(room, nullptr));
-}
-
-TEST(GatheredSession, AttentionIsThatOfANetworkThatIsLoadedForIt) {
-  SessionSettings settings = gathered(Method::Gather);
-  EXPECT_THROW(Session(furnished_room(), std::nullopt, settings).state()->record_attention(),
-               Error);
-  settings.attention_of = [] { return network(); };
-  const Session session(furnished_room(), std::nullopt, settings);
-  EXPECT_NO_THROW(runtime::SceneAttention(session.state()->record_attention()));
 }
 
 TEST(LuminairePower, IsThatOfSurfacesPointsAndSpots) {

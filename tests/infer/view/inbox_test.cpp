@@ -50,19 +50,6 @@ TEST(Inbox, EditsOfOneTargetAndGestureAreOne) {
   EXPECT_EQ(std::get<MakeEdit>(batch.requests[1].request).edit, gain(0, 50).edit);
 }
 
-TEST(Inbox, OfAPagesLooksTheLatestIsAnswered) {
-  Inbox inbox;
-  for (int head = 0; head < 20; ++head)
-    inbox.post(1, head + 1, LookInside{{}, {}, "down0.0", head});
-  inbox.post(2, 1, LookInside{});
-  const Inbox::Batch batch = inbox.take(Inbox::kNoWait);
-  ASSERT_EQ(batch.requests.size(), 2u);
-  EXPECT_EQ(std::get<LookInside>(batch.requests[0].request).head, 19);
-  inbox.post(2, 2, LookInside{});
-  inbox.forget(2);
-  EXPECT_TRUE(inbox.take(Inbox::kNoWait).requests.empty());
-}
-
 TEST(Inbox, GesturesAndPagesStayApart) {
   Inbox inbox;
   inbox.post(1, 1, gain(0, 1, 1));

@@ -50,10 +50,8 @@ TEST(LoadSession, ByDefaultTracedLightAnswersAndNoModelIsAsked) {
   EXPECT_EQ(loaded.session->state()->answered_by(), Method::Gather);
   EXPECT_FALSE(loaded.session->state()->has_network());
   EXPECT_EQ(loaded.session->first_report().encodings, 0);
-  // A network is loaded for who looks at its attention, and where it is to answer.
   test::save_tiny_model(folder / "tiny.safetensors", {.scene_points = 120});
   request.checkpoint = (folder / "tiny.safetensors").string();
-  EXPECT_NE(load_session(request, CommandFiles()).session->state()->record_attention(), nullptr);
   request.integrator = "network";
   const LoadedSession by_network = load_session(request, CommandFiles());
   EXPECT_EQ(by_network.session->state()->answered_by(), Method::Network);

@@ -71,12 +71,6 @@ TEST(Messages, ReadsEveryType) {
       R"({"type":"light","n":7,"gesture":0,"light":2,"gain":1,"color":[1,1,1],"direction":[0,-1,0]})");
   EXPECT_EQ(std::get<LightSetting>(turned.edit).direction, (Vec3{0, -1, 0}));
   EXPECT_EQ(parse<PickAt>(R"({"type":"pick","n":7,"x":0.25,"y":1})").x, 0.25f);
-  const auto look = parse<LookInside>(
-      R"({"type":"look","n":7,"position":[1,2,3],"normal":[0,0.5,0],"block":"down0.1","head":2})");
-  EXPECT_EQ(look.position, (Vec3{1, 2, 3}));
-  EXPECT_EQ(look.normal, (Vec3{0, 1, 0}));
-  EXPECT_EQ(look.block, "down0.1");
-  EXPECT_EQ(look.head, 2);
   EXPECT_EQ(parse<Save>(R"({"type":"save","n":8,"format":"glb"})").format, SaveFormat::Glb);
   EXPECT_EQ(parse<Shows>(R"({"type":"shows","n":9,"picture":12})").picture, 12);
   parse<Undo>(R"({"type":"undo","n":10})");
@@ -140,11 +134,6 @@ TEST(Messages, RefusesWhatIsNoMessageInOneLine) {
       R"({"type":"camera","n":1,"origin":[0,0,0],"target":[0,0,1],"up":[0,0,0],"vfov":40})",
       R"({"type":"camera","n":1,"origin":[0,0,0],"target":[0,0,1],"up":[0,1,0],"vfov":180})",
       R"({"type":"camera","n":1,"origin":[0,0,1e30],"target":[0,0,1],"up":[0,1,0],"vfov":40})",
-      R"({"type":"look","n":1,"position":[0,0,0],"normal":[0,0,0],"block":"decoder","head":-1})",
-      R"({"type":"look","n":1,"position":[0,0,0],"normal":[0,1,0],"block":"decoder","head":-2})",
-      R"({"type":"look","n":1,"position":[0,0,0],"normal":[0,1,0],"block":7,"head":0})",
-      R"({"type":"look","n":1,"position":[0,0,0],"normal":[0,1,0],"head":0})",
-      R"({"type":"look","n":1,"position":[0,1e30,0],"normal":[0,1,0],"block":"decoder","head":0})",
       R"({"type":"view","n":1,"size":[100000,100000]})",
       R"({"type":"view","n":1,"size":[64.5,48]})",
       R"({"type":"view","n":1,"shown":"everything"})",

@@ -235,39 +235,6 @@ def shows_outputs(page):
     settled(page)
 
 
-def looks_inside(page):
-    drawn = """(() => {
-      const { width, height } = lteView.picture.overlay;
-      const { data } = lteView.picture.overlay.getContext("2d").getImageData(0, 0, width, height);
-      return data.filter((_, i) => i % 4 === 3).reduce((sum, alpha) => sum + (alpha > 0), 0);
-    })()"""
-    page.evaluate("document.querySelector('[data-tab=attention]').click()")
-    check(page.evaluate(drawn) == 0, "before a click no latents are drawn")
-    page.click(*at(page, 0.5, 0.85))
-    page.wait("lteView.attention.answer?.dots.length > 0", what="latents of the clicked point")
-    check(page.evaluate("lteView.store.object") == -1 and page.evaluate(drawn) > 50,
-          "a click draws the latents that are read there, and selects nothing")
-    check(page.evaluate("document.querySelectorAll('[data-block]').length === "
-                        "lteView.attention.answer.blocks.length"), "the panel lists every block")
-    page.evaluate("document.querySelector('[data-block]').click()")
-    page.wait("lteView.attention.answer.block === lteView.attention.answer.blocks[0].name")
-    head = "document.querySelector('#attention label:nth-child(2) select')"
-    check(page.evaluate(f"{head}.options.length === lteView.attention.answer.blocks[0].heads + 1"),
-          "a block of the encoder has its heads to choose")
-    set_input(page, "#attention label:nth-child(2) select", 0)
-    page.wait("lteView.attention.answer.head === 0", what="one head's attention")
-    dots = page.evaluate("JSON.stringify(lteView.attention.answer.dots)")
-    page.drag(at(page, 0.5, 0.5), at(page, 0.75, 0.5))
-    settled(page)
-    page.wait(f"JSON.stringify(lteView.attention.answer.dots) !== {json.dumps(dots)}",
-              what="the latents that are seen after a move of the camera")
-    check(page.evaluate("lteView.attention.answer.head") == 0, "a move asks the same again")
-    page.evaluate("document.querySelector('[data-tab=lights]').click()")
-    check(page.evaluate(drawn) == 0, "another tab ends it")
-    page.key("Home", "Home")
-    settled(page)
-
-
 def fits(page):
     """Nothing overflows, and picture and panel can be seen, in three sizes."""
     for width, height, touch in ((1280, 720, False), (820, 1180, True), (390, 844, True)):
@@ -313,7 +280,6 @@ def main():
         adds_and_removes(page)
         saves_whole_pictures(page)
         shows_outputs(page)
-        looks_inside(page)
         fits(page)
         check(not page.errors, f"no errors in the console {page.errors or ''}")
         server = comes_back(page, server, tool)

@@ -1,10 +1,10 @@
-#include "lte/scene/closest_point.h"
+#include "experiments/attention/closest_point.h"
 
 #include <cmath>
 
 #include "lte/base/check.h"
 
-namespace lte::scene {
+namespace lte::experiments {
 namespace {
 
 /// Barycentrics of the point of a triangle nearest to p: 1 − u − v, u, v of its corners.
@@ -34,15 +34,15 @@ Barycentrics nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, co
 }
 
 struct Found {
-  int instance = kNone;
+  int instance = scene::kNone;
   uint32_t triangle = 0;
   Barycentrics at;
   float square = INFINITY;
 };
 
-void look_at(const Scene& scene, int index, const Vec3& place, Found* found) {
-  const Instance& instance = scene.instances[static_cast<size_t>(index)];
-  const Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
+void look_at(const scene::Scene& scene, int index, const Vec3& place, Found* found) {
+  const scene::Instance& instance = scene.instances[static_cast<size_t>(index)];
+  const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
   std::vector<Vec3> world;
   world.reserve(mesh.positions.size());
   for (const Vec3& position : mesh.positions) world.push_back(instance.to_world.point(position));
@@ -59,18 +59,19 @@ void look_at(const Scene& scene, int index, const Vec3& place, Found* found) {
 
 }  // namespace
 
-ClosestPoint closest_point(const Scene& scene, const Vec3& place) {
+ClosestPoint closest_point(const scene::Scene& scene, const Vec3& place) {
   LTE_CHECK(is_finite(place), "a place must be finite");
   Found found;
   for (size_t i = 0; i < scene.instances.size(); ++i)
     look_at(scene, static_cast<int>(i), place, &found);
-  LTE_CHECK(found.instance != kNone, "the scene has no triangle with an area");
+  LTE_CHECK(found.instance != scene::kNone, "the scene has no triangle with an area");
   ClosestPoint out;
-  out.surface = evaluate_surface(scene, found.instance, found.triangle, found.at.u, found.at.v, 0);
+  out.surface =
+      scene::evaluate_surface(scene, found.instance, found.triangle, found.at.u, found.at.v, 0);
   out.distance = std::sqrt(found.square);
   if (dot(place - out.surface.position, out.surface.normal) < 0)
     out.surface.normal = -out.surface.normal;
   return out;
 }
 
-}  // namespace lte::scene
+}  // namespace lte::experiments
