@@ -1,7 +1,5 @@
 #include "infer/view/replies.h"
 
-#include <algorithm>
-
 #include <nlohmann/json.hpp>
 
 #include "infer/check/check_report.h"
@@ -52,12 +50,6 @@ json cost_json(const EditCost& cost) {
           {"accuracy", enum_name(cost.accuracy)}};
 }
 
-template <typename Entries>
-const auto& described_as(const Entries& entries, int id) {
-  return *std::find_if(entries.begin(), entries.end(),
-                       [&](const auto& entry) { return entry.id == id; });
-}
-
 /// Names of a file may be any bytes.
 std::string text_of(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -97,18 +89,18 @@ std::string scene_reply(const SceneDescription& scene, const std::vector<PageEdi
   for (const PageEdit& setting : settings) {
     json entry = edit_json(setting);
     if (const auto* light = std::get_if<LightSetting>(&setting)) {
-      const LightDescription& described = described_as(scene.lights, light->light);
+      const LightDescription& described = *find_entry(scene.lights, light->light);
       entry.update({{"name", described.name}, {"sort", described.sort}});
       out["lights"].push_back(entry);
     } else if (const auto* material = std::get_if<MaterialSetting>(&setting)) {
-      const MaterialDescription& described = described_as(scene.materials, material->material);
+      const MaterialDescription& described = *find_entry(scene.materials, material->material);
       entry.update({{"name", described.name},
                     {"textured", described.textured},
                     {"emissive", described.emissive}});
       out["materials"].push_back(entry);
     } else {
       const int number = std::get<ObjectSetting>(setting).object;
-      const ObjectDescription& described = described_as(scene.objects, number);
+      const ObjectDescription& described = *find_entry(scene.objects, number);
       entry.update({{"name", described.name},
                     {"low", vector_json(described.bounds.low)},
                     {"high", vector_json(described.bounds.high)},

@@ -50,6 +50,14 @@ struct SceneDescription {
   std::vector<Shown> outputs;  ///< what can be shown of it
 };
 
+/// The one of this `id` among lights, materials, objects or infos of a session; null if there is none.
+template <typename Entries>
+auto find_entry(const Entries& entries, int id) -> const typename Entries::value_type* {
+  for (const auto& entry : entries)
+    if (entry.id == id) return &entry;
+  return nullptr;
+}
+
 /// What is seen at a point of the picture; -1 for none.
 struct Picked {
   float x = 0, y = 0;  ///< as asked

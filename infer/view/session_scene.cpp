@@ -28,13 +28,6 @@ const char* sort_name(LuminaireKind kind) {
   }
 }
 
-const InstanceInfo* find(const std::vector<InstanceInfo>& instances, int id) {
-  for (const InstanceInfo& info : instances) {
-    if (info.id == id) return &info;
-  }
-  return nullptr;
-}
-
 /// The name of a luminaire in it, else what it is made of.
 std::string object_name(const std::vector<const InstanceInfo*>& parts,
                         const std::vector<MaterialInfo>& materials, size_t number) {
@@ -43,10 +36,8 @@ std::string object_name(const std::vector<const InstanceInfo*>& parts,
   for (const InstanceInfo* part : parts) {
     if (part->light != scene::kNone && !part->name.empty()) return part->name;
     if (!seen.insert(part->material).second) continue;
-    const auto material =
-        std::find_if(materials.begin(), materials.end(),
-                     [&](const MaterialInfo& info) { return info.id == part->material; });
-    if (material == materials.end() || material->name.empty()) continue;
+    const MaterialInfo* const material = find_entry(materials, part->material);
+    if (material == nullptr || material->name.empty()) continue;
     made_of += (made_of.empty() ? "" : ", ") + material->name;
   }
   return made_of.empty() ? concat("object ", number) : made_of;
@@ -76,16 +67,9 @@ std::vector<Shown> outputs_of(const SessionState& state) {
 /// The entry of this number. @throws lte::Error if there is none
 template <typename Entries>
 const auto& entry_of(const Entries& entries, int id, const char* what) {
-  const auto found = std::find_if(entries.begin(), entries.end(),
-                                  [&](const auto& entry) { return entry.id == id; });
-  LTE_CHECK(found != entries.end(), "there is no ", what, ' ', id, " in the scene");
+  const auto* const found = find_entry(entries, id);
+  LTE_CHECK(found != nullptr, "there is no ", what, ' ', id, " in the scene");
   return *found;
-}
-
-template <typename Entries>
-bool has(const Entries& entries, int id) {
-  return std::any_of(entries.begin(), entries.end(),
-                     [&](const auto& entry) { return entry.id == id; });
 }
 
 Affine shifted(const Affine& to_world, const Vec3& move) {
@@ -157,7 +141,7 @@ ObjectDescription describe_object(const SessionState& state, const std::vector<i
   const std::vector<InstanceInfo> all = state.instances();
   std::vector<const InstanceInfo*> parts;
   for (const int id : instances) {
-    parts.push_back(find(all, id));
+    parts.push_back(find_entry(all, id));
     LTE_CHECK(parts.back() != nullptr, "there is no instance ", id);
   }
   return object_of(parts, name);
@@ -181,7 +165,7 @@ SceneDescription describe_scene(const SessionState& state,
     object.instances.clear();
     object.to_world.clear();
     for (size_t i = 0; i < known.instances.size(); ++i) {
-      if (find(instances, known.instances[i]) == nullptr) continue;
+      if (find_entry(instances, known.instances[i]) == nullptr) continue;
       object.instances.push_back(known.instances[i]);
       object.to_world.push_back(known.to_world[i]);
     }
@@ -193,7 +177,7 @@ SceneDescription describe_scene(const SessionState& state,
 std::vector<PageEdit> settings_of(const SessionState& state, const SceneDescription& scene) {
   std::vector<PageEdit> out;
   for (const LuminaireInfo& light : state.luminaires()) {
-    if (!has(scene.lights, light.id)) continue;
+    if (find_entry(scene.lights, light.id) == nullptr) continue;
     LightSetting setting{light.id, static_cast<float>(light.gain), light.color};
     const bool spot = light.kind == LuminaireKind::Spot;
     if (spot || light.kind == LuminaireKind::Point) setting.position = light.position;
@@ -201,12 +185,12 @@ std::vector<PageEdit> settings_of(const SessionState& state, const SceneDescript
     out.push_back(setting);
   }
   for (const MaterialInfo& material : state.materials()) {
-    if (has(scene.materials, material.id))
+    if (find_entry(scene.materials, material.id) != nullptr)
       out.push_back(MaterialSetting{material.id, material.base_color});
   }
   const std::vector<InstanceInfo> instances = state.instances();
   for (const ObjectDescription& object : scene.objects) {
-    const InstanceInfo* now = find(instances, object.instances.front());
+    const InstanceInfo* now = find_entry(instances, object.instances.front());
     if (now == nullptr) continue;
     out.push_back(ObjectSetting{
         object.id, placement_of(object.to_world.front(), now->to_world, object.foot())});
@@ -258,8 +242,8 @@ Picked pick(const SessionState& state, const SceneDescription& scene, const scen
   if (!met) return out;
   out.position = met->position;
   out.normal = met->normal;
-  if (has(scene.materials, met->material)) out.material = met->material;
-  if (has(scene.lights, met->light)) out.light = met->light;
+  if (find_entry(scene.materials, met->material) != nullptr) out.material = met->material;
+  if (find_entry(scene.lights, met->light) != nullptr) out.light = met->light;
   for (const ObjectDescription& object : scene.objects) {
     const std::vector<int>& parts = object.instances;
     if (std::find(parts.begin(), parts.end(), met->instance) != parts.end()) out.object = object.id;
