@@ -1,7 +1,5 @@
 #include "bench/pareto/reference.h"
 
-#include <utility>
-
 #include "infer/eval/measure/reference_pair.h"
 #include "lte/image/metrics.h"
 
@@ -11,15 +9,9 @@ using namespace infer;
 
 namespace {
 
-/// Makes `image` the mean of both pictures. Half of their difference has the noise of that mean.
-ReferenceNoise merge(const image::Image& other, image::Image* image) {
-  image::Image moved = other;  // the mean and its noise, as a picture of the same light
-  for (size_t i = 0; i < image->pixels.size(); ++i) {
-    const float mean = 0.5F * (image->pixels[i] + other.pixels[i]);
-    moved.pixels[i] = mean + 0.5F * (image->pixels[i] - other.pixels[i]);
-    image->pixels[i] = mean;
-  }
-  return {image::mse(moved.pixels, image->pixels), relative_mse(moved, *image)};
+/// Of the mean of two pictures: half of their difference, by which either is off it, has it.
+ReferenceNoise noise_of(const image::Image& either, const image::Image& mean) {
+  return {image::mse(either.pixels, mean.pixels), relative_mse(either, mean)};
 }
 
 }  // namespace
@@ -31,12 +23,10 @@ Reference trace_reference(const MethodScene& scene, const scene::Camera& camera,
   wanted.height = scene.height;
   wanted.paths = (spp + 1) / 2;
   wanted.max_depth = scene.max_depth;
-  ReferencePair pair = find_reference_pair(&scene.renderer, camera, name, wanted);
-  Reference out;
-  out.whole = std::move(pair[0].whole);
-  out.indirect = std::move(pair[0].indirect);
-  out.whole_noise = merge(pair[1].whole, &out.whole);
-  out.indirect_noise = merge(pair[1].indirect, &out.indirect);
+  const auto [a, b] = find_reference_pair(&scene.renderer, camera, name, wanted);
+  Reference out{mean_of_pair(a.whole, b.whole), mean_of_pair(a.indirect, b.indirect), {}, {}};
+  out.whole_noise = noise_of(a.whole, out.whole);
+  out.indirect_noise = noise_of(a.indirect, out.indirect);
   return out;
 }
 

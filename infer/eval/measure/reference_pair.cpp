@@ -215,6 +215,13 @@ ReferencePair read_pair(const fs::path& path, const std::string& traced, bool ir
 
 }  // namespace
 
+image::Image mean_of_pair(const image::Image& a, const image::Image& b) {
+  image::Image out = a;
+  for (size_t i = 0; i < out.pixels.size(); ++i)
+    out.pixels[i] = 0.5F * (out.pixels[i] + b.pixels[i]);
+  return out;
+}
+
 std::string file_words(const std::string& text) {
   std::string out;
   for (const char c : text) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';

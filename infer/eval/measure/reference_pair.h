@@ -53,6 +53,9 @@ class ReferenceFault : public Error {
 ReferencePair find_reference_pair(Renderer* renderer, const scene::Camera& camera,
                                   const std::string& name, const PairSettings& settings);
 
+/// The mean of two pictures of one size.
+image::Image mean_of_pair(const image::Image& a, const image::Image& b);
+
 /// Checksum of all that decides what the pair is: scene, camera, settings and path tracer. For
 /// what is derived from it. 16 hexadecimal digits.
 std::string pair_fingerprint(const Renderer& renderer, const scene::Camera& camera,

@@ -10,16 +10,6 @@
 #include "lte/image/tonemap.h"
 
 namespace lte::infer {
-namespace {
-
-image::Image mean_of_pair(const image::Image& a, const image::Image& b) {
-  image::Image out = a;
-  for (size_t i = 0; i < out.pixels.size(); ++i)
-    out.pixels[i] = 0.5F * (out.pixels[i] + b.pixels[i]);
-  return out;
-}
-
-}  // namespace
 
 SceneReference::SceneReference(ReferencePair pair, std::vector<uint8_t> mask, int paths)
     : pair_(std::move(pair)),
