@@ -14,6 +14,8 @@
 #include "lte/base/version.h"
 #include "lte/cli/assets.h"
 
+#include "program/about.h"
+
 // Mains of the tools (lte_add_tool). Those that a build lacks are null.
 [[gnu::weak]] int lte_bake_main(int argc, char** argv);
 [[gnu::weak]] int lte_bench_main(int argc, char** argv);
@@ -46,7 +48,8 @@ const Command kCommands[] = {
     {"eval", "lte_eval", "a network's error on data", "Embree", lte_eval_main},
     {"export", "lte_export", "a network as TorchScript", kTorch, lte_export_main},
     {"bench", "lte_bench", "times of every stage", kTorch, lte_bench_main},
-    {"info", "lte_datagen", "what is in a scene or a data set", "Embree", lte_datagen_main},
+    {"info", "lte_datagen", "what is in a scene or a data set; alone: what lte has", "Embree",
+     lte_datagen_main},
     {"demo", "lte_render", "a picture of the room that comes with lte; takes render's flags",
      "Embree", lte_render_main},
 };
@@ -71,6 +74,15 @@ void print_usage(std::ostream& out, const TorchTools& torch) {
   }
 }
 
+/// As YAML.
+void print_about(const TorchTools& torch) {
+  TorchTools found = torch;
+  if (lte_train_main != nullptr)
+    found.program = std::filesystem::read_symlink("/proc/self/exe").string();
+  const nlohmann::ordered_json facts = about(found);
+  for (const auto& [key, value] : facts.items()) std::cout << key << ": " << value.dump() << '\n';
+}
+
 int run(const Command& command, std::vector<std::string> words, const TorchTools& torch) {
   if (!there_is(command, torch)) {
     const bool advised = command.needs == kTorch && !torch.advice.empty();
@@ -87,6 +99,7 @@ int run(const Command& command, std::vector<std::string> words, const TorchTools
   arguments.push_back(nullptr);
   if (command.run != nullptr) return command.run(static_cast<int>(words.size()), arguments.data());
   if (!torch.libraries.empty()) setenv("LD_LIBRARY_PATH", torch.libraries.c_str(), 1);
+  if (!own_assets().empty()) setenv("LTE_ASSETS", own_assets().c_str(), 0);
   execv(torch.program.c_str(), arguments.data());  // which knows the tool by argv[0]
   std::cerr << "lte: " << torch.program << ": " << std::strerror(errno) << '\n';
   return 1;
@@ -126,6 +139,10 @@ int run_command(int argc, char** argv, const TorchTools& torch) {
     return 2;
   }
   try {
+    if (word == "info" && words.size() == 1) {
+      print_about(torch);
+      return 0;
+    }
     return run(*command, complete(*command, {words.begin() + 1, words.end()}), torch);
   } catch (const std::exception& error) {  // the demo's scene is not there
     std::cerr << "lte: " << error.what() << '\n';

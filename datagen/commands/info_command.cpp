@@ -30,8 +30,9 @@ Json describe_scene(const std::string& path, const scene::Scene& scene) {
   return info;
 }
 
-Json describe(const InfoFlags& flags) {
-  const SceneSource& source = flags.source;
+}  // namespace
+
+Json describe(const SceneSource& source, bool deep) {
   const std::filesystem::path path = source.scene;
   const bool is_scene = !std::filesystem::is_directory(path) && path.extension() != ".safetensors";
   LTE_CHECK(std::filesystem::exists(path), source.scene, ": no such file or directory");
@@ -39,11 +40,12 @@ Json describe(const InfoFlags& flags) {
             ": --environment is for scenes, not for what is baked already");
   LTE_CHECK(is_scene || source.lights.empty(), source.scene,
             ": --add-light is for scenes, not for what is baked already");
-  if (std::filesystem::is_directory(path))
-    return dataset_info(path, flags.deep || flags.validate_only);
+  if (std::filesystem::is_directory(path)) return dataset_info(path, deep);
   if (!is_scene) return sample_info(data::read_scene_sample(path));
   return describe_scene(source.scene, load_lit(source));
 }
+
+namespace {
 
 void run_info(const InfoFlags& flags) {
   CommandFiles files;
@@ -52,7 +54,7 @@ void run_info(const InfoFlags& flags) {
   files.writes_common(flags.common);
   files.check();
   apply_common_options(flags.common);
-  const Json info = describe(flags);
+  const Json info = describe(flags.source, flags.deep || flags.validate_only);
   files.check_what_was_read();
   write_json(flags.common.json, info.dump(2));
   if (flags.validate_only) {

@@ -85,7 +85,6 @@ class Generator {
   void make(const std::vector<int64_t>& todo, Manifest* manifest);
   SceneRecord attempt(int64_t index) const;
   void make_scene(int64_t index, SceneRecord* record) const;
-  BakeOptions bake_options(int64_t index, const scene::Scene& scene) const;
   fs::path glb_path(int64_t index) const {
     return folder_.scene_path(index).replace_extension(".glb");
   }
@@ -178,7 +177,7 @@ void Generator::make_scene(int64_t index, SceneRecord* record) const {
   const Timer bake_timer;
   const fs::path path = folder_.scene_path(index);
   const data::SceneSample sample =
-      bake_scene(scene, bake_options(index, scene), false, &record->rays);
+      bake_scene(scene, bake_options(config_, index, scene), false, &record->rays);
   // dataset.json promises these counts of every scene.
   LTE_CHECK(sample.scene_points() == config_.bake.scene_points &&
                 sample.query_points() == config_.bake.query_points,
@@ -187,19 +186,6 @@ void Generator::make_scene(int64_t index, SceneRecord* record) const {
   data::write_scene_sample(path, sample);
   record->bake_s = bake_timer.seconds();
   record->bytes = static_cast<int64_t>(fs::file_size(path));
-}
-
-BakeOptions Generator::bake_options(int64_t index, const scene::Scene& scene) const {
-  BakeOptions bake = config_.bake;
-  bake.seed = scene_seed(config_.seed, index);
-  bake.view_cameras = scene.cameras;
-  const auto& evaluated = config_.evaluation_splits;
-  if (std::find(evaluated.begin(), evaluated.end(), data::split_name(folder_.split_of(index))) ==
-      evaluated.end()) {
-    bake.views.count = 0;
-    bake.path_tracing_64 = false;
-  }
-  return bake;
 }
 
 }  // namespace
@@ -252,6 +238,25 @@ scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const st
   add_metals(config.metals, seed, &scene);
   vary_sides(sides, seed, &scene);
   return scene;
+}
+
+scene::Scene make_scene(const DatagenConfig& config, int64_t index) {
+  return generate_scene(config, scene_seed(config.seed, index),
+                        scene_name(config.generator, index));
+}
+
+BakeOptions bake_options(const DatagenConfig& config, int64_t index, const scene::Scene& scene) {
+  BakeOptions bake = config.bake;
+  bake.seed = scene_seed(config.seed, index);
+  bake.view_cameras = scene.cameras;
+  const data::Split split =
+      data::assign_split(config.seed, index, config.val_share, config.test_share);
+  const auto& evaluated = config.evaluation_splits;
+  if (std::find(evaluated.begin(), evaluated.end(), data::split_name(split)) == evaluated.end()) {
+    bake.views.count = 0;
+    bake.path_tracing_64 = false;
+  }
+  return bake;
 }
 
 }  // namespace lte::datagen

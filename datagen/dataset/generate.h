@@ -61,4 +61,10 @@ GeneratorKind generator_of(const DatagenConfig& config, uint64_t seed);
 /// Makes the scene of a seed with that generator.
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name);
 
+/// Scene `index` of a data set of this configuration, as generate_dataset() makes it.
+scene::Scene make_scene(const DatagenConfig& config, int64_t index);
+
+/// How generate_dataset() bakes that scene: with views only where its split has them.
+BakeOptions bake_options(const DatagenConfig& config, int64_t index, const scene::Scene& scene);
+
 }  // namespace lte::datagen

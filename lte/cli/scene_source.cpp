@@ -52,12 +52,15 @@ scene::Scene load_source(const SceneSource& source, const std::string& camera) {
             "--set environment_turn needs --environment");
   if (!source.environment.empty())
     scene::set_environment(source.environment, source.environment_turn, &scene);
-  for (const std::string& light : source.lights) {
-    std::vector<scene::Camera> cameras;
-    if (light == "auto") cameras = cameras_of(scene, camera);
-    log_info(source.scene, ": added ", pathtrace::add_light(light, cameras, &scene));
-  }
+  for (const std::string& light : source.lights)
+    log_info(source.scene, ": added ", add_light(light, camera, &scene));
   return scene;
+}
+
+std::string add_light(const std::string& light, const std::string& camera, scene::Scene* scene) {
+  std::vector<scene::Camera> cameras;
+  if (light == "auto") cameras = cameras_of(*scene, camera);
+  return pathtrace::add_light(light, cameras, scene);
 }
 
 void describe(const scene::Scene& scene, const std::string& path) {

@@ -33,6 +33,12 @@ void claim_scene(const SceneSource& source, CommandFiles* files);
 /// @throws lte::Error as load_scene(), and naming the flag
 scene::Scene load_source(const SceneSource& source, const std::string& camera = "auto");
 
+/// Adds a luminaire that --add-light names to a scene.
+/// @param camera  as above
+/// @return what was added, for people
+/// @throws lte::Error naming what it is not
+std::string add_light(const std::string& light, const std::string& camera, scene::Scene* scene);
+
 /// Says what a scene is in a line of the log, and what of its file was ignored.
 void describe(const scene::Scene& scene, const std::string& path);
 

@@ -42,13 +42,16 @@ low = points[:, 1].min()
 floor = (normals[:, 1] > 0.99) & (points[:, 1] < low + 0.05)
 points, normals = points[floor][:100], normals[floor][:100]
 
-lamps = lux(lte.trace(scene, points, normals, rays=options.rays, by_light=True).total)  # [L, N]
+light = lte.trace.irradiance(scene, points, normals, rays=options.rays, by_light=True)
+lamps = lux(light.total)  # [L, N]
 gains = gains_for(lamps, np.full(len(points), options.lux))
 gains *= options.lux / (gains @ lamps).mean()
-for name, gain in zip(scene.lights, gains):
-    print(f"{name}: {gain:.2f}")
-# Other rays tell whether it is so.
-check = lux(lte.trace(scene, points, normals, rays=options.rays, seed=1, by_light=True).total)
-for when, floor in (("before", check.sum(0)), ("after", gains @ check)):
+before = lamps.sum(0)
+for lamp, gain in zip(scene.lights, gains):
+    lamp.gain = gain
+    print(f"{lamp.name}: {gain:.2f}")
+# Other rays, and the dimmed lamps themselves, tell whether it is so.
+after = lux(lte.trace.irradiance(scene, points, normals, rays=options.rays, seed=1).total)
+for when, floor in (("before", before), ("after", after)):
     tenth = np.quantile(floor, 0.1) / floor.mean()
     print(f"{when}: {floor.mean():.0f} lux, darkest tenth {tenth:.2f} of it")

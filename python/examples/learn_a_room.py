@@ -23,7 +23,7 @@ torch.manual_seed(options.seed)
 
 scene = lte.generate_scene("boxes", seed=options.seed)
 points, normals = scene.sample(options.points, seed=1)
-light = lte.trace(scene, points, normals, rays=options.rays)
+light = lte.trace.irradiance(scene, points, normals, rays=options.rays)
 lit = light.indirect.mean(1) > 0.01 * light.indirect.mean()  # not what stands inside of furniture
 at, side, target = (torch.from_numpy(array[lit]) for array in (points, normals, light.indirect))
 low, high = (torch.from_numpy(corner) for corner in scene.bounds)

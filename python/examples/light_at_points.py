@@ -30,7 +30,7 @@ def say(name, found, truth, seconds):
 
 scene = lte.load(options.scene)
 points, normals = scene.sample(options.points, seed=1)
-traced, seconds = timed(lambda: lte.trace(scene, points, normals, rays=options.rays))
+traced, seconds = timed(lambda: lte.trace.irradiance(scene, points, normals, rays=options.rays))
 print(f"{len(points)} points: {options.rays} paths each in {seconds:.1f} s")
 light, seconds = timed(lambda: lte.irradiance(scene, points, normals))
 say("gathered light", light.total, traced.total, seconds)

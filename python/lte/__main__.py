@@ -12,7 +12,6 @@ FOLDER = pathlib.Path(__file__).parent
 
 def main() -> int:
     os.environ.setdefault("LTE_VIEW_PAGE", str(FOLDER / "view"))
-    os.environ.setdefault("LTE_ASSETS", str(FOLDER))
     torch = Torch()
     return int(run_command(["lte", *sys.argv[1:]], torch.program, torch.libraries, torch.advice))
 

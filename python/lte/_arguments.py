@@ -21,6 +21,10 @@ def seed_number(seed: int) -> int:
     return whole("seed", seed, 0, (1 << 64) - 1)
 
 
+def depth_number(depth: int) -> int:
+    return whole("depth", depth, 1, 1000)
+
+
 def number(name: str, value: Any, low: float, high: float) -> float:
     try:
         if isinstance(value, (str, bytes)):

@@ -5,6 +5,7 @@
 #include "infer/bake/bake_scene.h"
 #include "infer/renderer/quality.h"
 #include "lte/bake/formats/formats.h"
+#include "lte/base/log.h"
 
 #include "python/src/module.h"
 
@@ -34,10 +35,25 @@ nb::ndarray<nb::numpy, uint8_t> mask(const Baked& self) {
           owner};
 }
 
-Baked bake_lightmap(const Scene& self, double texels_per_metre, int size, bool keep_uvs,
-                    const std::string& include, bool by_light, const std::string& integrator,
-                    const Model* model, const std::string& quality, double seconds, double error,
-                    const std::string& probes, int depth, uint64_t seed) {
+/// Notes and progress on standard error, for as long as it lives.
+class Verbose {
+ public:
+  explicit Verbose(bool wanted) : before_(log_level()) {
+    if (wanted) set_log_level(LogLevel::Info);
+  }
+  ~Verbose() { set_log_level(before_); }
+  Verbose(const Verbose&) = delete;
+  Verbose& operator=(const Verbose&) = delete;
+
+ private:
+  LogLevel before_;
+};
+
+Baked bake_lightmap(const Scene& self, bool progress, double texels_per_metre, int size,
+                    bool keep_uvs, const std::string& include, bool by_light,
+                    const std::string& integrator, const Model* model, const std::string& quality,
+                    double seconds, double error, const std::string& probes, int depth,
+                    uint64_t seed) {
   infer::BakeRequest request;
   request.scene = self.scene().name;
   request.atlas = {texels_per_metre, size, keep_uvs};
@@ -55,6 +71,7 @@ Baked bake_lightmap(const Scene& self, double texels_per_metre, int size, bool k
   request.probes = probes;
   request.max_depth = depth;
   request.seed = seed;
+  const Verbose verbose(progress);
   return interruptible([&] {
     if (model != nullptr) apply_threads();
     infer::Renderer renderer = self.renderer();
@@ -83,10 +100,10 @@ void bind_bake(nb::module_& m) {
                    [](const Baked& self) { return self.map.provenance.expected_error; })
       .def_prop_ro("texels_per_metre",
                    [](const Baked& self) { return self.map.provenance.texels_per_metre; });
-  m.def("bake", &bake_lightmap, nb::arg("scene"), nb::arg("texels_per_metre"), nb::arg("size"),
-        nb::arg("keep_uvs"), nb::arg("include"), nb::arg("by_light"), nb::arg("integrator"),
-        nb::arg("model").none(), nb::arg("quality"), nb::arg("seconds"), nb::arg("error"),
-        nb::arg("probes"), nb::arg("depth"), nb::arg("seed"));
+  m.def("bake", &bake_lightmap, nb::arg("scene"), nb::arg("progress"), nb::arg("texels_per_metre"),
+        nb::arg("size"), nb::arg("keep_uvs"), nb::arg("include"), nb::arg("by_light"),
+        nb::arg("integrator"), nb::arg("model").none(), nb::arg("quality"), nb::arg("seconds"),
+        nb::arg("error"), nb::arg("probes"), nb::arg("depth"), nb::arg("seed"));
   m.def("bake_formats", [] {
     std::vector<std::string> names{"gltf"};
     for (const bake::Format& format : bake::engine_formats()) names.emplace_back(format.name);

@@ -30,15 +30,6 @@ void check_surface(const Triples& points, const Triples& normals) {
   }
 }
 
-/// Points given with too few digits lie on their surfaces, as lte_probe has it.
-scene::PointTable table_of(const Scene& scene, const Triples& points, const Triples& normals) {
-  scene::PointTable table;
-  table.position = vector_of(points);
-  table.normal = directions_of(normals);
-  pathtrace::settle_points(*scene.bvh(), "points", &table);
-  return table;
-}
-
 nb::dict probe(const Scene& self, const Triples& points, const Triples& normals,
                const std::string& integrator, const Model* model, int64_t spp, double error,
                int depth, uint64_t seed) {
@@ -64,7 +55,7 @@ nb::dict probe(const Scene& self, const Triples& points, const Triples& normals,
   nb::dict out;
   out["total"] = array_of(answer.light.total);
   out["direct"] = array_of(answer.light.direct);
-  out["standard_error"] = array_of(answer.light.standard_error);
+  out["stderr"] = array_of(answer.light.standard_error);
   std::vector<float> expected(answer.expected_error.begin(), answer.expected_error.end());
   expected.resize(answer.light.total.size());  // where nothing shines there is no error
   const size_t count = expected.size();
@@ -102,11 +93,19 @@ nb::dict trace(const Scene& self, const Triples& points, const Triples& normals,
   nb::dict out;
   out["direct"] = light_of(light.direct, light, by_light);
   out["indirect"] = light_of(light.indirect, light, by_light);
-  out["standard_error"] = array_of(error);
+  out["stderr"] = array_of(error);
   return out;
 }
 
 }  // namespace
+
+scene::PointTable table_of(const Scene& scene, const Triples& points, const Triples& normals) {
+  scene::PointTable table;
+  table.position = vector_of(points);
+  table.normal = directions_of(normals);
+  pathtrace::settle_points(*scene.bvh(), "points", &table);
+  return table;
+}
 
 void bind_light(nb::module_& m) {
   m.def("probe", &probe, nb::arg("scene"), nb::arg("points"), nb::arg("normals"),

@@ -5,11 +5,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "datagen/commands/info_command.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/base/version.h"
+#include "lte/cli/assets.h"
 
-#include "program/commands.h"
+#include "program/about.h"
 
 NB_MODULE(_lte, m) {
   using namespace lte;  // NOLINT(google-build-using-namespace)
@@ -23,12 +25,25 @@ NB_MODULE(_lte, m) {
   m.def("set_verbose",
         [](bool verbose) { set_log_level(verbose ? LogLevel::Info : LogLevel::Warning); });
   python::bind_scene(m);
+  python::bind_data(m);
   python::bind_picture(m);
   python::bind_light(m);
   python::bind_network(m);
 #ifdef LTE_HAS_BAKE
   python::bind_bake(m);
 #endif
+  m.def("set_assets", [](const std::string& folder) { set_own_assets(folder); });
+  m.def("about", [](const std::string& torch_program) {
+    const nanobind::gil_scoped_release unlocked;
+    return about({torch_program, "", ""}).dump();
+  });
+  m.def("describe", [](const std::string& path) {
+    return python::interruptible([&] {
+      SceneSource source;
+      source.scene = path;
+      return datagen::describe(source, false).dump();
+    });
+  });
   m.def("run_command", [](std::vector<std::string> words, const std::string& torch_program,
                           const std::string& torch_libraries, const std::string& torch_advice) {
     std::vector<char*> arguments;

@@ -20,6 +20,7 @@
 #include "lte/base/interruption.h"
 #include "lte/base/timer.h"
 #include "lte/runtime/network.h"
+#include "lte/scene/point_table.h"
 
 namespace lte::python {
 
@@ -96,6 +97,8 @@ struct CacheKey {
 class Scene {
  public:
   explicit Scene(scene::Scene scene);
+  /// The same surfaces, whose lights are dimmed. Either may be destroyed first.
+  Scene(const Scene& bright, std::span<const float> gains);
 
   const scene::Scene& scene() const { return *scene_; }
   const std::shared_ptr<const pathtrace::Bvh>& bvh() const { return bvh_; }
@@ -116,6 +119,9 @@ class Scene {
   CacheKey cached_;
   std::shared_ptr<const gi::IrradianceCache> cache_;
 };
+
+/// Points given with too few digits lie on their surfaces, as lte_probe has it.
+scene::PointTable table_of(const Scene& scene, const Triples& points, const Triples& normals);
 
 /// Has the network compute by the threads of set_threads(). Before any work of it, in each thread.
 void apply_threads();
@@ -149,6 +155,7 @@ auto interruptible(const Work& work) {
 }
 
 void bind_scene(nb::module_& m);
+void bind_data(nb::module_& m);
 void bind_picture(nb::module_& m);
 void bind_light(nb::module_& m);
 void bind_network(nb::module_& m);

@@ -5,11 +5,13 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <pthread.h>
 
+#include "infer/probe/embedded_light.h"
 #include "infer/renderer/embedding_flags.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/base/passive_waiting.h"
+#include "lte/cli/assets.h"
 #include "lte/embed/point_albedo.h"
 #include "lte/embed/untrained_light.h"
 #include "lte/runtime/device.h"
@@ -24,7 +26,8 @@ std::atomic<bool> threads_used{false}, threads_lost{false};
 
 std::unique_ptr<Model> load_model(const std::string& path, const std::string& precision) {
   const auto chosen = argument([&] { return infer::choose_precision(precision); });
-  return interruptible([&] { return std::make_unique<Model>(path, chosen); });
+  return interruptible(
+      [&] { return std::make_unique<Model>(checkpoint_or_shipped(path).string(), chosen); });
 }
 
 std::unique_ptr<runtime::SceneEmbedding> encode(const Model& self, const Scene& scene,
@@ -64,6 +67,24 @@ Array decode(const runtime::SceneEmbedding& self, const Scene& scene, const Trip
   return array_of(unlocked());
 }
 
+/// Light at points with the error to expect, or direct light, or both: [N, 3], and [N] or None.
+nb::tuple answer(const runtime::SceneEmbedding& self, const Scene& scene, const Triples& points,
+                 const Triples& normals, const std::optional<Triples>& albedo, bool direct,
+                 const runtime::SceneEmbedding* other, uint64_t seed) {
+  const infer::EmbeddedLight light = interruptible([&] {
+    apply_threads();
+    const scene::PointTable table = table_of(scene, points, normals);
+    const std::vector<Rgb> color =
+        albedo ? vector_of(*albedo)
+               : embed::albedo_at(*scene.bvh(), {table.position, table.normal});
+    return infer::embedded_light(self, table, color, *scene.bvh(), *scene.lights(),
+                                 {direct, other, seed});
+  });
+  if (other == nullptr) return nb::make_tuple(array_of(light.irradiance), nb::none());
+  const std::vector<float> error(light.expected_error.begin(), light.expected_error.end());
+  return nb::make_tuple(array_of(light.irradiance), array_of(error, {error.size()}));
+}
+
 }  // namespace
 
 Model::Model(const std::string& file, runtime::Precision precision)
@@ -88,7 +109,9 @@ void bind_network(nb::module_& m) {
       .def_prop_ro("scene_points",
                    [](const runtime::SceneEmbedding& self) { return self.info().scene_points; })
       .def("decode", &decode, nb::arg("scene"), nb::arg("points"), nb::arg("normals"),
-           nb::arg("albedo").none());
+           nb::arg("albedo").none())
+      .def("answer", &answer, nb::arg("scene"), nb::arg("points"), nb::arg("normals"),
+           nb::arg("albedo").none(), nb::arg("direct"), nb::arg("other").none(), nb::arg("seed"));
   m.def("load_model", &load_model);
 }
 

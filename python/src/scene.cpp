@@ -1,4 +1,4 @@
-// Scenes: from files, from generators, and points on their surfaces.
+// Scenes: from files, with other light, and points on their surfaces.
 #include <algorithm>
 #include <cmath>
 
@@ -7,13 +7,12 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include "datagen/dataset/generate.h"
 #include "lte/base/log.h"
-#include "lte/base/safetensors.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/cli/scene_source.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/export.h"
+#include "lte/scene/light_gains.h"
 #include "lte/scene/sampler.h"
 
 #include "python/src/module.h"
@@ -22,9 +21,16 @@ namespace lte::python {
 
 Scene::Scene(scene::Scene scene)
     : scene_(std::make_unique<const scene::Scene>(std::move(scene))),
-      bvh_(std::make_shared<const pathtrace::Bvh>(*scene_)),
+      bvh_(pathtrace::Bvh::with_own_meshes(*scene_)),
       lights_(std::make_shared<const pathtrace::Lights>(*scene_)),
       denoiser_(std::make_shared<render::SharedDenoiser>()) {}
+
+Scene::Scene(const Scene& bright, std::span<const float> gains) : denoiser_(bright.denoiser_) {
+  std::vector<int> trees;
+  scene_ = std::make_unique<const scene::Scene>(scene::with_gains(bright.scene(), gains, &trees));
+  bvh_ = std::make_shared<const pathtrace::Bvh>(*scene_, *bright.bvh_, trees);
+  lights_ = std::make_shared<const pathtrace::Lights>(*scene_);
+}
 
 void Scene::provide_cache(const render::CacheSettings& settings, const Model* model,
                           const embed::EmbedSettings& embedding, infer::Renderer* renderer) {
@@ -50,6 +56,9 @@ void Scene::provide_cache(const render::CacheSettings& settings, const Model* mo
 
 namespace {
 
+/// What --add-light auto gives light to: the scene's first camera, or else the automatic one.
+constexpr const char* kSeenByCamera = "";
+
 std::unique_ptr<Scene> load(const std::string& path, const std::string& up,
                             const std::string& environment, double environment_turn,
                             std::vector<std::string> lights, bool allow_outside) {
@@ -61,7 +70,7 @@ std::unique_ptr<Scene> load(const std::string& path, const std::string& up,
   source.lights = std::move(lights);
   source.loading.allow_outside = allow_outside;
   return interruptible([&] {
-    auto scene = std::make_unique<Scene>(load_source(source, ""));
+    auto scene = std::make_unique<Scene>(load_source(source, kSeenByCamera));
     if (scene->lights()->empty())
       log_warning(path, ": nothing emits light (environment=\"1,1,1\" or add_light=\"auto\" do)");
     pathtrace::warn_of_lost_light(path, *scene->bvh());
@@ -69,58 +78,16 @@ std::unique_ptr<Scene> load(const std::string& path, const std::string& up,
   });
 }
 
-std::unique_ptr<Scene> generate(const std::string& generator, uint64_t seed) {
-  datagen::DatagenConfig config;
-  for (const auto kind : {datagen::GeneratorKind::Boxes, datagen::GeneratorKind::Homes,
-                          datagen::GeneratorKind::Wild}) {
-    if (generator == datagen::generator_name(kind)) config.generator = kind;
-  }
-  return interruptible(
-      [&] { return std::make_unique<Scene>(datagen::generate_scene(config, seed, generator)); });
+std::unique_ptr<Scene> dimmed(const Scene& self, const std::vector<float>& gains) {
+  return interruptible([&] { return std::make_unique<Scene>(self, gains); });
 }
 
-nb::dict generate_dataset(const std::string& config_path, const std::string& out,
-                          const std::vector<std::string>& overrides, bool resume) {
-  const datagen::GenerateResult result = interruptible([&] {
-    datagen::GenerateOptions options;
-    options.out = out;
-    options.resume = resume;
-    return datagen::generate_dataset(datagen::load_datagen_config(config_path, overrides), options);
+std::unique_ptr<Scene> with_light(const Scene& self, const std::string& light) {
+  return interruptible([&] {
+    scene::Scene scene = self.scene();
+    log_info(scene.name, ": added ", add_light(light, kSeenByCamera, &scene));
+    return std::make_unique<Scene>(std::move(scene));
   });
-  LTE_CHECK(result.failed == 0, out, ": ", result.failed, " scenes failed, the first of them ",
-            result.first_error, "; resume=True tries them again");
-  nb::dict counts;
-  counts["baked"] = result.baked;
-  counts["kept"] = result.kept;
-  counts["planned"] = result.planned;
-  return counts;
-}
-
-nb::dlpack::dtype numpy_type(DType dtype) {
-  const auto code = dtype == DType::U8                           ? nb::dlpack::dtype_code::UInt
-                    : dtype == DType::I32 || dtype == DType::I64 ? nb::dlpack::dtype_code::Int
-                                                                 : nb::dlpack::dtype_code::Float;
-  return {static_cast<uint8_t>(code), static_cast<uint8_t>(8 * dtype_size(dtype)), 1};
-}
-
-/// The tensors of a sample file, each an array of its own.
-nb::dict read_sample(const std::string& path) {
-  const SafetensorsFile file = interruptible([&] {
-    SafetensorsFile opened{path};
-    opened.verify();
-    return opened;
-  });
-  nb::dict out;
-  for (const auto& [name, tensor] : file.tensors()) {
-    LTE_CHECK(tensor.dtype != DType::BF16, path, ": ", name, " is of BF16, which NumPy has not");
-    auto* kept = new std::vector<std::byte>(tensor.data, tensor.data + tensor.size_bytes());
-    const nb::capsule owner(
-        kept, [](void* p) noexcept { delete static_cast<std::vector<std::byte>*>(p); });
-    const std::vector<size_t> shape(tensor.shape.begin(), tensor.shape.end());
-    out[name.c_str()] = nb::ndarray<nb::numpy>(kept->data(), shape.size(), shape.data(), owner,
-                                               nullptr, numpy_type(tensor.dtype));
-  }
-  return out;
 }
 
 nb::tuple sample(const Scene& self, int64_t count, uint64_t seed) {
@@ -181,6 +148,8 @@ void bind_scene(nb::module_& m) {
       .def_prop_ro("lights", [](const Scene& self) { return self.scene().light_groups; })
       .def_prop_ro("cameras", &camera_names)
       .def_prop_ro("ignored", [](const Scene& self) { return self.scene().ignored; })
+      .def("dimmed", &dimmed)
+      .def("with_light", &with_light)
       .def("sample", &sample)
       .def("sky", &sky)
       .def("save", [](const Scene& self, const std::string& path) {
@@ -188,9 +157,6 @@ void bind_scene(nb::module_& m) {
         scene::write_glb(path, self.scene());
       });
   m.def("load", &load);
-  m.def("generate_scene", &generate);
-  m.def("generate_dataset", &generate_dataset);
-  m.def("read_sample", &read_sample);
 }
 
 }  // namespace lte::python

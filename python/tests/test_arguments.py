@@ -17,7 +17,7 @@ def sentence(caught) -> str:
 
 def test_arrays_of_any_layout_give_the_same_answer(room, points):
     at, side = points
-    want = lte.trace(room, at, side, rays=16).total
+    want = lte.trace.irradiance(room, at, side, rays=16).total
     both = np.hstack(points)
     reversed_rows = np.ascontiguousarray(at[::-1]), np.ascontiguousarray(side[::-1])
     read_only = at.copy()
@@ -28,7 +28,8 @@ def test_arrays_of_any_layout_give_the_same_answer(room, points):
                              (reversed_rows[0][::-1], reversed_rows[1][::-1]),
                              (at.astype(">f4"), side.astype(">f8")),
                              (at.tolist(), 3 * side), (read_only, side)):
-        np.testing.assert_array_equal(lte.trace(room, position, normal, rays=16).total, want)
+        found = lte.trace.irradiance(room, position, normal, rays=16).total
+        np.testing.assert_array_equal(found, want)
 
 
 def packed(at):
@@ -49,7 +50,7 @@ def test_float32_rows_are_read_in_place(room, points, rows, in_place):
     at, side = points[0].copy(), points[1]
     given = rows(at)
     assert np.shares_memory(surface(given, side[:len(given)])[0], given) == in_place
-    for ask in (lte.trace, lte.irradiance):
+    for ask in (lte.trace.irradiance, lte.irradiance):
         found = ask(room, given, side[:len(given)]).total
         np.testing.assert_array_equal(found, ask(room, given.copy(), side[:len(given)]).total)
 
@@ -73,12 +74,12 @@ class OnGpu(OfDlpack):
 
 def test_dlpack_is_read(room, points):
     from lte._arrays import surface
-    want = lte.trace(room, *points, rays=16).total
+    want = lte.trace.irradiance(room, *points, rays=16).total
     foreign = [OfDlpack(array) for array in points]
-    np.testing.assert_array_equal(lte.trace(room, *foreign, rays=16).total, want)
+    np.testing.assert_array_equal(lte.trace.irradiance(room, *foreign, rays=16).total, want)
     assert np.shares_memory(surface(*foreign)[0], points[0])
     with pytest.raises(TypeError) as caught:
-        lte.trace(room, OnGpu(points[0]), points[1])
+        lte.trace.irradiance(room, OnGpu(points[0]), points[1])
     assert "points: expected an array on the CPU" in sentence(caught)
 
 
@@ -88,25 +89,26 @@ def test_tensors_of_pytorch_are_read_in_place(room, points):
     rows = torch.cat([torch.from_numpy(array) for array in points], 1)
     at, side = rows[:, :3], rows[:, 3:]
     assert all(np.shares_memory(array, rows.numpy()) for array in surface(at, side))
-    np.testing.assert_array_equal(lte.trace(room, at, side).total, lte.trace(room, *points).total)
+    np.testing.assert_array_equal(lte.trace.irradiance(room, at, side).total,
+                                  lte.trace.irradiance(room, *points).total)
     with pytest.raises(TypeError, match="points: .*gradient"):
-        lte.trace(room, at.clone().requires_grad_(), side)
+        lte.trace.irradiance(room, at.clone().requires_grad_(), side)
 
 
 def test_no_points_have_no_light(room):
     none = np.zeros((0, 3), np.float32)
     assert lte.irradiance(room, none, none).total.shape == (0, 3)
     assert lte.irradiance(room, none, none, integrator="path").expected_error.shape == (0,)
-    assert lte.trace(room, [], [], by_light=True).total.shape == (1, 0, 3)
+    assert lte.trace.irradiance(room, [], [], by_light=True).total.shape == (1, 0, 3)
 
 
 def test_a_dark_scene_is_black(tmp_path):
     (tmp_path / "dark.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n")
     dark = lte.load(tmp_path / "dark.obj")
     point = [[0.2, 0, 0.2]], [[0, 1, 0]]
-    assert not lte.irradiance(dark, *point).total.any() and dark.lights == []
+    assert not lte.irradiance(dark, *point).total.any() and not dark.lights
     assert lte.irradiance(dark, *point).expected_error.shape == (1,)
-    assert lte.trace(dark, *point, by_light=True).total.shape == (0, 1, 3)
+    assert lte.trace.irradiance(dark, *point, by_light=True).total.shape == (0, 1, 3)
     assert not lte.render(dark, size=(8, 8), camera="auto").color.any()
 
 
@@ -128,7 +130,7 @@ def test_a_dark_scene_is_black(tmp_path):
     (None, TypeError, "points: expected float32 or float64, got object"),
 ])
 def test_wrong_points_are_named(room, values, error, words):
-    for ask in (lte.trace, lte.irradiance):
+    for ask in (lte.trace.irradiance, lte.irradiance):
         with pytest.raises(error) as caught:
             ask(room, values, np.ones((2, 3)))
         assert words in sentence(caught)
@@ -136,9 +138,9 @@ def test_wrong_points_are_named(room, values, error, words):
 
 def test_normals_are_held_against_points(room):
     with pytest.raises(ValueError, match="as many as points, 2, got 1"):
-        lte.trace(room, np.zeros((2, 3)), np.ones((1, 3)))
+        lte.trace.irradiance(room, np.zeros((2, 3)), np.ones((1, 3)))
     with pytest.raises(ValueError, match="normals: row 1 has no length"):
-        lte.trace(room, np.zeros((2, 3)), np.array([[0.0, 1, 0], [0, 0, 0]]))
+        lte.trace.irradiance(room, np.zeros((2, 3)), np.array([[0.0, 1, 0], [0, 0, 0]]))
 
 
 ANY_ARRAY = arrays.arrays(
@@ -159,8 +161,9 @@ def embedding(room):
 def test_any_array_is_an_answer_or_one_sentence(room, embedding, points, normals):
     up = np.ones((len(np.atleast_1d(points)), 3))
     for at, side, color in ((points, normals, None), (points, up, None), (up, up, normals)):
-        for ask in (lambda: lte.trace(room, at, side, rays=2, depth=2).total,
-                    lambda: embedding.irradiance(at, side, albedo=color)):
+        for ask in (lambda: lte.trace.irradiance(room, at, side, rays=2, depth=2).total,
+                    lambda: embedding.irradiance(at, side, albedo=color),
+                    lambda: embedding.irradiance(at, side, albedo=color, direct=True)):
             try:
                 light = ask()
             except (TypeError, ValueError, lte.Error) as error:
@@ -179,9 +182,32 @@ def test_any_option_is_an_answer_or_one_sentence(room, options):
     if all(isinstance(options[name], int) and options[name] > 9 for name in ("rays", "depth")):
         return  # long, and right
     try:
-        lte.trace(room, [[0, 0, 0]], [[0, 1, 0]], **options)
+        lte.trace.irradiance(room, [[0, 0, 0]], [[0, 1, 0]], **options)
     except (TypeError, ValueError, lte.Error) as error:
         assert str(error) and "\n" not in str(error)
+
+
+ANYTHING = st.one_of(st.integers(-5, 9), st.floats(), st.none(), st.text(max_size=9),
+                     st.booleans(), st.integers(), st.lists(st.integers(), max_size=2), st.binary(),
+                     st.sampled_from(["auto", "lamp", "lte-large", "homes", b"", object()]))
+
+
+@settings(max_examples=int(os.environ.get("LTE_EXAMPLES", 200)), deadline=None)
+@given(ANYTHING, ANYTHING)
+def test_any_value_is_an_answer_or_one_sentence(room_file, one, other):
+    scene = lte.load(room_file)
+    for call in (lambda: scene.lights[one], lambda: setattr(scene.lights[0], "gain", one),
+                 lambda: one in scene.lights, lambda: scene.lights.add_panel(auto=one),
+                 lambda: lte.homes(seed=one, count=other), lambda: lte.Model.load(one),
+                 lambda: lte.info(one if one is not None else other),
+                 lambda: lte.trace.irradiance(one, [], []), lambda: lte.bake(scene, size=other,
+                                                                            quality=one),
+                 lambda: next(lte.homes(config=one))):
+        try:
+            call()
+        except (TypeError, ValueError, LookupError, lte.Error) as error:
+            assert str(error) and "\n" not in str(error)
+    assert 0 <= scene.lights[0].gain <= 1e6
 
 
 @pytest.mark.parametrize("options, words", [

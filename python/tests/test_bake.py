@@ -18,9 +18,19 @@ def test_a_light_map_is_the_file_of_lte_bake(room, room_file, tmp_path, tool):
         assert (tmp_path / "python" / name).read_bytes() == (tmp_path / "tool" / name).read_bytes()
 
 
+def test_progress_is_shown_when_asked_for(room, capfd):
+    quiet = lte.bake(room, texels_per_metre=2, quality="draft")
+    assert not capfd.readouterr().err
+    shown = lte.bake(room, texels_per_metre=2, quality="draft", progress=True)
+    assert "baking" in capfd.readouterr().err
+    np.testing.assert_array_equal(shown.irradiance, quiet.irradiance)
+    lte.bake(room, texels_per_metre=2, quality="draft")
+    assert not capfd.readouterr().err
+
+
 def test_layers_add_up_to_light(room):
     baked = lte.bake(room, texels_per_metre=4, quality="draft", by_light=True)
-    assert list(baked.layers) == room.lights
+    assert list(baked.layers) == [lamp.name for lamp in room.lights]
     np.testing.assert_allclose(sum(baked.layers.values()), baked.irradiance, rtol=1e-6)
     height, width = baked.mask.shape
     assert baked.irradiance.shape == (height, width, 3) and baked.mask.dtype == np.uint8

@@ -84,7 +84,7 @@ def test_lamps_are_as_bright_as_in_cycles(bpy, tmp_path, kind, energy, settings)
 def test_worlds_are_environments(bpy):
     plane(bpy)
     bpy.context.scene.world.color = (1, 2, 3)
-    light = lte.trace(lte.from_blender(), [[0, 0.1, 0]], [[0, 1, 0]], rays=64)
+    light = lte.trace.irradiance(lte.from_blender(), [[0, 0.1, 0]], [[0, 1, 0]], rays=64)
     np.testing.assert_allclose(light.total[0], np.pi * np.array([1, 2, 3]), rtol=1e-3)
 
 

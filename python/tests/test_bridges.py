@@ -89,8 +89,8 @@ def compare(mi, parts, samples=2048):
     at, side = ours.sample(200, seed=5)
     at = at + 1e-4 * side
     _, theirs = mitsuba_irradiance(mi, scene, at, side, 5, samples, 3)
-    found = lte.trace(ours, at, side, rays=samples, depth=5, seed=9)
-    error = np.sqrt(found.standard_error ** 2 + theirs.variance())
+    found = lte.trace.irradiance(ours, at, side, rays=samples, depth=5, seed=9)
+    error = np.sqrt(found.stderr ** 2 + theirs.variance())
     residual = (found.total - theirs.mean()).mean(1) / np.maximum(error.mean(1), 1e-6)
     total = theirs.mean().sum()
     return residual, (found.total.sum() - total) / total, np.sqrt(
@@ -123,10 +123,10 @@ def test_scenes_of_ours_have_the_same_light_in_mitsuba(mi, tmp_path, kind):
     from validate_against_mitsuba import mitsuba_irradiance
     scene, samples = ours(kind, tmp_path), 1024
     at, side = scene.sample(200, seed=5)
-    found = lte.trace(scene, at, side, rays=samples, depth=5, seed=9)
+    found = lte.trace.irradiance(scene, at, side, rays=samples, depth=5, seed=9)
     _, theirs = mitsuba_irradiance(mi, mi.load_dict(lte.to_mitsuba(scene)), at + 1e-4 * side, side,
                                    5, samples, 3)
-    error = np.sqrt(found.standard_error ** 2 + theirs.variance())
+    error = np.sqrt(found.stderr ** 2 + theirs.variance())
     lit = error.mean(1) > 1e-6
     residual = (found.total - theirs.mean()).mean(1)[lit] / error.mean(1)[lit]
     total = theirs.mean().sum()
@@ -143,8 +143,8 @@ def test_mitsuba_gives_back_what_it_got(mi, tmp_path):
     assert after.triangles == before.triangles and len(after.cameras) == len(before.cameras)
     assert len(after.lights) == len(before.lights)
     at, side = before.sample(100, seed=2)
-    a, b = (lte.trace(scene, at, side, rays=1024) for scene in (before, after))
-    error = np.hypot(a.standard_error, b.standard_error)
+    a, b = (lte.trace.irradiance(scene, at, side, rays=1024) for scene in (before, after))
+    error = np.hypot(a.stderr, b.stderr)
     assert (np.abs(a.total - b.total) < 4 * error + 0.01 * a.total.mean()).mean() > 0.97
 
 
@@ -180,7 +180,7 @@ def test_what_lte_lacks_is_named(mi):
 def test_xml_of_mitsuba_is_read(mi, tmp_path):
     (tmp_path / "a.xml").write_text("""<scene version="3.0.0"><shape type="sphere" id="bulb">
       <emitter type="area"><rgb name="radiance" value="1 2 3"/></emitter></shape></scene>""")
-    assert lte.from_mitsuba(tmp_path / "a.xml").lights == ["bulb"]
+    assert lte.from_mitsuba(tmp_path / "a.xml").lights[0].name == "bulb"
 
 
 def test_trimesh_is_the_same_as_its_file(room, room_file, points):
@@ -201,7 +201,7 @@ def test_trimesh_is_the_same_as_its_file(room, room_file, points):
     # What a square of radiance 1 and half side a gives at the distance h below its middle.
     a, h = 1, 2.5
     corner = a / np.hypot(a, h) * np.arctan(a / np.hypot(a, h))
-    light = lte.trace(ours, [[0, 0, 0]], [[0, 1, 0]], rays=4096, depth=1)
+    light = lte.trace.irradiance(ours, [[0, 0, 0]], [[0, 1, 0]], rays=4096, depth=1)
     np.testing.assert_allclose(light.direct, 4 * corner, rtol=0.01)
     # A mesh without a material is matt grey, not metal: light comes back from below.
     assert lte.load(trimesh.creation.box(), add_light="auto").triangles == 12
@@ -255,10 +255,10 @@ def stage(tmp_path):
 def test_usd_is_read_in_metres_with_y_up(stage):
     ours = lte.from_usd(stage)
     np.testing.assert_allclose(ours.bounds, [[-2, 0, -2], [2, 2.5, 2]], atol=1e-3)
-    assert ours.lights == ["/room/lamp"] and ours.cameras == ["eye"]
+    assert ours.lights[0].name == "/room/lamp" and ours.cameras == ["eye"]
     a, h = 1, 2.5
     corner = a / np.hypot(a, h) * np.arctan(a / np.hypot(a, h))
-    light = lte.trace(ours, [[0, 0, 0]], [[0, 1, 0]], rays=4096, depth=1)
+    light = lte.trace.irradiance(ours, [[0, 0, 0]], [[0, 1, 0]], rays=4096, depth=1)
     np.testing.assert_allclose(light.direct[0], 24 * corner * np.array([1, 0.5, 0.25]), rtol=0.01)
     picture = lte.render(ours, size=(32, 24), integrator="path", spp=16, denoise=False)
     seen = picture.layers["depth"] > 0
@@ -290,7 +290,7 @@ def test_materials_and_suns_of_usd(stage):
     sun.CreateIntensityAttr(5)
     UsdGeom.XformCommonAPI(sun).SetRotate((-90, 0, 0))
     ours = lte.from_usd(made)
-    light = lte.trace(ours, [[0, 1, 0]], [[0, 1, 0]], rays=16)
+    light = lte.trace.irradiance(ours, [[0, 1, 0]], [[0, 1, 0]], rays=16)
     np.testing.assert_allclose(light.direct, 5, rtol=1e-4)
     picture = lte.render(ours, size=(32, 32), camera=lte.Camera((0, 5, 0), (0, 0, 0)),
                          integrator="path", spp=4, denoise=False)

@@ -31,6 +31,54 @@ def test_a_model_says_what_it_is(model, embedding, room):
     assert model.encode(room, scene_points=500).scene_points == 500
 
 
+def test_shipped_models_have_names(model, monkeypatch, tmp_path):
+    assert lte.Model.load("lte-base").parameters == model.parameters
+    monkeypatch.setenv("LTE_ASSETS", str(tmp_path))
+    with pytest.raises(lte.Error) as caught:
+        lte.Model.load("lte-large")
+    said = str(caught.value)
+    assert "lte-large: no model of that name in" in said and "\n" not in said
+    assert "Debian package lte-models" in said and "lte-large.safetensors" in said
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "lte-large.safetensors").symlink_to(LTE_BASE)
+    assert lte.Model.load("lte-large").parameters == model.parameters
+
+
+def test_direct_light_is_added(embedding, room, points):
+    indirect = embedding.irradiance(*points)
+    direct = embedding.irradiance(*points, direct=True) - indirect
+    known = lte.trace.irradiance(room, *points, rays=4096, depth=1)
+    assert known.direct.max() > 0.1
+    assert (abs(direct - known.direct) < 6 * known.stderr + 0.1 * known.direct.max()).all()
+    assert abs(direct.mean() / known.direct.mean() - 1) < 0.02
+
+
+def test_errors_are_as_large_as_expected(model):
+    """Two thirds of the points of a room lie within what is expected, nearly all within twice."""
+    scene = lte.generate_scene("boxes", seed=4)
+    points = scene.sample(600, seed=1)
+    light, expected = model.encode(scene).irradiance(*points, error=True)
+    assert light.shape == (600, 3) and expected.shape == (600,) and (expected >= 0).all()
+    traced = lte.trace.irradiance(scene, *points, rays=4096)
+    off = np.sqrt(((light - traced.indirect) ** 2).mean(1))
+    noise = np.sqrt((traced.stderr ** 2).mean(1))
+    assert (off < expected + noise).mean() > 0.5 and (off < 2 * expected + noise).mean() > 0.8
+    # It tells where: half of the points with the smaller ones have less of the error.
+    least = expected < np.median(expected)
+    assert off[least].mean() < off[~least].mean()
+
+
+def test_an_answer_with_its_error_is_the_answer(embedding, points):
+    plain = embedding.irradiance(*points)
+    light, expected = embedding.irradiance(*points, error=True)
+    np.testing.assert_allclose(light, plain, rtol=1e-4, atol=1e-5)  # at points put onto surfaces
+    again = embedding.irradiance(*points, error=True)
+    np.testing.assert_array_equal(again[1], expected)
+    none = np.zeros((0, 3), np.float32)
+    light, expected = embedding.irradiance(none, none, error=True, direct=True)
+    assert light.shape == (0, 3) and expected.shape == (0,)
+
+
 def test_a_picture_is_the_file_of_lte_render(model, room, room_file, tmp_path, tool):
     tool("lte_render", room_file, "--size", "40x24", "--camera", "auto", "--integrator", "network",
          "--checkpoint", LTE_BASE, "--quality", "preview", "--set", "denoise=off", "--out",
@@ -75,7 +123,7 @@ def test_a_light_map_is_the_file_of_lte_bake(room, room_file, tmp_path, tool):
 def test_decoded_light_is_near_paths(model):
     scene = lte.load(lte.living_room)
     at, side = scene.sample(400, seed=1)
-    traced = lte.trace(scene, at, side, rays=512).indirect.mean(1)
+    traced = lte.trace.irradiance(scene, at, side, rays=512).indirect.mean(1)
     found = model.encode(scene).irradiance(at, side).mean(1)
     lit = traced > 0.01 * traced.mean()
     assert np.median(abs(found - traced)[lit] / traced[lit]) < 0.15

@@ -19,7 +19,7 @@ def test_light_at_points_is_that_of_lte_probe(room, room_file, points, tmp_path,
         table = list(csv.DictReader(file))
     light = lte.irradiance(room, *points, integrator=integrator, spp=64)
     for name, found in (("total", light.total), ("direct", light.direct),
-                        ("stderr", light.standard_error)):
+                        ("stderr", light.stderr)):
         of_tool = np.array([[row[f"{name}_{c}"] for c in "rgb"] for row in table], np.float32)
         np.testing.assert_array_equal(found, of_tool)
     of_tool = np.array([row["expected_error"] for row in table], np.float32)
@@ -27,7 +27,7 @@ def test_light_at_points_is_that_of_lte_probe(room, room_file, points, tmp_path,
 
 
 def test_a_lamp_above_a_point_is_its_form_factor(room):
-    light = lte.trace(room, [[0, 0, 0]], [[0, 1, 0]], rays=4096, depth=1)
+    light = lte.trace.irradiance(room, [[0, 0, 0]], [[0, 1, 0]], rays=4096, depth=1)
     # A unit square of radiance 5, 4, 3 that faces the point from 2 m: four corners of form factors.
     corner = 0.5 / np.hypot(0.5, 2)
     factor = 4 / (2 * np.pi) * 2 * corner * np.arctan(corner)
@@ -46,7 +46,7 @@ def test_a_white_furnace_is_a_geometric_series(tmp_path, albedo):
     inside = [[1.5, 1, 2], [0.3, 0.4, 3.7]]
     for depth in (1, 2, 5):
         known = np.pi * sum(albedo**k for k in range(depth))
-        traced = lte.trace(box, inside, [[0, 1, 0], [0, 0, -1]], rays=4096, depth=depth)
+        traced = lte.trace.irradiance(box, inside, [[0, 1, 0], [0, 0, -1]], rays=4096, depth=depth)
         np.testing.assert_allclose(traced.total, known, rtol=0.01)
         gathered = lte.irradiance(box, inside, [[0, 1, 0], [0, 0, -1]], depth=depth)
         np.testing.assert_allclose(gathered.total, known, rtol=0.02)
@@ -55,7 +55,7 @@ def test_a_white_furnace_is_a_geometric_series(tmp_path, albedo):
 def test_gathered_light_agrees_with_paths(room):
     points = room.sample(60, seed=3)
     gathered = lte.irradiance(room, *points)
-    traced = lte.trace(room, *points, rays=4096)
+    traced = lte.trace.irradiance(room, *points, rays=4096)
     assert np.median(abs(gathered.total - traced.total) / (traced.total + 1e-3)) < 0.03
     assert (gathered.expected_error >= 0).all() and traced.expected_error is None
     np.testing.assert_array_equal(gathered.total, gathered.direct + gathered.indirect)
@@ -64,30 +64,31 @@ def test_gathered_light_agrees_with_paths(room):
 def test_light_by_lamp_adds_up():
     home = lte.generate_scene("boxes", seed=4)
     points = home.sample(20)
-    whole = lte.trace(home, *points, rays=64)
-    lamps = lte.trace(home, *points, rays=64, by_light=True)
+    whole = lte.trace.irradiance(home, *points, rays=64)
+    lamps = lte.trace.irradiance(home, *points, rays=64, by_light=True)
     assert lamps.total.shape == (len(home.lights), 20, 3) and len(home.lights) > 1
     np.testing.assert_allclose(lamps.total.sum(0), whole.total, rtol=1e-5)
-    np.testing.assert_array_equal(lamps.standard_error, whole.standard_error)
+    np.testing.assert_array_equal(lamps.stderr, whole.stderr)
 
 
 def test_lamps_of_a_sky_are_named(room_file):
     scene = lte.load(room_file, environment="1,1,1", add_light="0,1,0,10")
     assert len(scene.lights) == 3
-    up = lte.trace(scene, [[0, 5, 0]], [[0, 1, 0]], rays=256, by_light=True).total
+    up = lte.trace.irradiance(scene, [[0, 5, 0]], [[0, 1, 0]], rays=256, by_light=True).total
     assert sorted(up.sum(axis=(1, 2)) > 0) == [False, False, True]
     assert up.max() == pytest.approx(np.pi, rel=1e-3)
 
 
 def test_the_seed_alone_changes_the_answer(room, points):
-    first = lte.trace(room, *points, rays=64, seed=1).total
+    first = lte.trace.irradiance(room, *points, rays=64, seed=1).total
     before = lte.threads()
     lte.set_threads(3)
     try:
-        np.testing.assert_array_equal(lte.trace(room, *points, rays=64, seed=1).total, first)
+        again = lte.trace.irradiance(room, *points, rays=64, seed=1).total
+        np.testing.assert_array_equal(again, first)
     finally:
         lte.set_threads(before)
-    assert not np.array_equal(lte.trace(room, *points, rays=64, seed=2).total, first)
+    assert not np.array_equal(lte.trace.irradiance(room, *points, rays=64, seed=2).total, first)
 
 
 def mitsubas_room(mi):
@@ -117,7 +118,7 @@ def test_mitsuba_sees_the_same_light(room, points):
     scene = mitsubas_room(mi)
     integrator, rays = scene.integrator(), 1 << 13
     at, side = (array[points[0][:, 1] < 1.9][:6] for array in points)
-    found = lte.trace(room, at, side, rays=1 << 14)
+    found = lte.trace.irradiance(room, at, side, rays=1 << 14)
     for i in range(len(at)):
         sampler = mi.load_dict({"type": "independent", "sample_count": rays})
         sampler.seed(i)
@@ -128,5 +129,5 @@ def test_mitsuba_sees_the_same_light(room, points):
             way = frame.to_world(mi.warp.square_to_cosine_hemisphere(sampler.next_2d()))
             seen = integrator.sample(scene, sampler, mi.RayDifferential3f(mi.Ray3f(origin, way)))[0]
             light.append([np.pi * seen[0], np.pi * seen[1], np.pi * seen[2]])
-        error = np.hypot(np.std(light, axis=0) / np.sqrt(rays), found.standard_error[i])
+        error = np.hypot(np.std(light, axis=0) / np.sqrt(rays), found.stderr[i])
         assert (abs(np.mean(light, axis=0) - found.total[i]) < 4 * error + 1e-4).all()

@@ -12,14 +12,14 @@ import lte
 
 
 def test_threads_share_a_scene(room, points):
-    want = lte.trace(room, *points, rays=64).total
+    want = lte.trace.irradiance(room, *points, rays=64).total
     options = {"size": (16, 16), "quality": "draft", "camera": "auto", "denoise": False}
     picture = lte.render(room, **options).color
     found = []
 
     def ask():
         for _ in range(5):
-            found.append(np.array_equal(lte.trace(room, *points, rays=64).total, want))
+            found.append(np.array_equal(lte.trace.irradiance(room, *points, rays=64).total, want))
             found.append(np.array_equal(lte.render(room, **options).color, picture))
 
     workers = [threading.Thread(target=ask) for _ in range(4)]
@@ -33,7 +33,8 @@ def test_threads_share_a_scene(room, points):
 def test_other_threads_run_meanwhile(room, points):
     """What another thread gets done while a call is at work shows that the call holds no lock."""
     done = threading.Event()
-    work = threading.Thread(target=lambda: (lte.trace(room, *points, rays=1 << 15), done.set()))
+    work = threading.Thread(
+        target=lambda: (lte.trace.irradiance(room, *points, rays=1 << 15), done.set()))
     work.start()
     turns = 0
     while not done.is_set():
@@ -51,10 +52,11 @@ def run(code, *words):
 def test_a_forked_process_answers():
     """With a scene of its parent, and with one of its own."""
     code = ("import os, sys, lte; s = lte.load(sys.argv[1]); p = s.sample(9)\n"
-            "want = lte.trace(s, *p, rays=64).total; pid = os.fork()\n"
+            "want = lte.trace.irradiance(s, *p, rays=64).total; pid = os.fork()\n"
             "if pid == 0:\n"
-            "    same = (lte.trace(s, *p, rays=64).total == want).all()\n"
-            "    own = (lte.trace(lte.load(sys.argv[1]), *p, rays=64).total == want).all()\n"
+            "    same = (lte.trace.irradiance(s, *p, rays=64).total == want).all()\n"
+            "    s = lte.load(sys.argv[1])\n"
+            "    own = (lte.trace.irradiance(s, *p, rays=64).total == want).all()\n"
             "    os._exit(7 if same and own else 1)\n"
             "sys.exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))")
     assert run(code, lte.living_room).returncode == 7
@@ -69,7 +71,8 @@ def test_scenes_in_globals_end_quietly():
 @pytest.mark.parametrize("call", [
     "lte.render(scene, size=(640, 480), integrator='path', spp=4096).save(sys.argv[1])",
     "lte.render(scene, size=(1280, 960), seed=next(seed)).save(sys.argv[1])",
-    "lte.irradiance(scene, points, normals)", "lte.trace(scene, points, normals, rays=65536)",
+    "lte.irradiance(scene, points, normals)",
+    "lte.trace.irradiance(scene, points, normals, rays=65536)",
     "lte.generate_scene('homes', seed=next(seed))"])
 def test_ctrl_c_ends_work(interrupted, call, tmp_path):
     interrupted(call, tmp_path / "a.exr", before="points, normals = scene.sample(2000)",
@@ -84,7 +87,7 @@ def test_calls_leave_no_memory(room, resident_mb):
 
     def ask(count):
         for _ in range(count):
-            lte.trace(room, *point, rays=2, depth=1)
+            lte.trace.irradiance(room, *point, rays=2, depth=1)
         for _ in range(count // 100):
             lte.load(lte.living_room).sample(5)
 

@@ -7,7 +7,8 @@
 # PYTHON      interpreters to build for, with headers; by default Python 3.11, and the newest from
 #             3.12 on that is found: its wheel is abi3's, which all of these take
 # --try       also installs each wheel, offline, into a fresh environment that has nothing else,
-#             times the first picture, and passes python/tests, then training with LibTorch of .venv
+#             times the first picture, and passes python/tests, then training with LibTorch of
+#             .venv; that of the stable ABI by Python 3.12, too, where it is found
 # --no-torch  without lte-torch, which needs that LibTorch and half an hour of compiling
 #
 # Libraries that the module needs travel inside, with their licenses; LibTorch's do not. Fails where
@@ -19,7 +20,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --try) try=1 ;;
     --no-torch) torch= ;;
-    --help | -h) sed -n '2,16s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --help | -h) sed -n '2,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "wheel: unknown argument $1; see --help" >&2; exit 2 ;;
     *) break ;;
   esac
@@ -30,21 +31,27 @@ done
 export CC=${CC:-cc} CXX=${CXX:-c++} CCACHE_BASEDIR=$root
 fail() { echo "wheel: $*" >&2; exit 1; }
 
-# Of Python 3.11, then of a later one: on the PATH, or of a version manager.
-find_pythons() {
-  local versions=(3.11 3.14 3.13 3.12) version python later=
-  for version in "${versions[@]}"; do
-    [ -z "$later" ] || break
-    for python in "/usr/bin/python$version" "$(command -v "python$version" || true)" \
-      "${PYENV_ROOT:-$HOME/.pyenv}/versions/$version".*/bin/python3; do
-      "$python" -c 'import pathlib, sys, sysconfig
+# On the PATH, or of a version manager.
+find_python() {  # VERSION
+  local python
+  for python in "/usr/bin/python$1" "$(command -v "python$1" || true)" \
+    "${PYENV_ROOT:-$HOME/.pyenv}/versions/$1".*/bin/python3; do
+    "$python" -c 'import pathlib, sys, sysconfig
 sys.exit(not (pathlib.Path(sysconfig.get_path("include")) / "Python.h").exists())' 2>/dev/null ||
-        continue
-      echo "$python"
-      [ "$version" = 3.11 ] || later=1
-      break
-    done
+      continue
+    echo "$python"
+    return
   done
+}
+
+find_pythons() {
+  local version later=
+  find_python 3.11
+  for version in 3.14 3.13 3.12; do
+    later=$(find_python "$version")
+    [ -z "$later" ] || break
+  done
+  [ -z "$later" ] || echo "$later"
   [ -n "$later" ] || echo "wheel: no Python from 3.12 on with headers: no wheel of its stable ABI" >&2
 }
 [ $# -gt 0 ] || mapfile -t pythons < <(find_pythons)
@@ -195,6 +202,11 @@ done
 rm -rf "$out/libs"
 for i in "${!wheels[@]}"; do
   wheel=${wheels[i]}
-  [ -z "$try" ] || try_wheel "${pythons[i]}"
+  [ -n "$try" ] || continue
+  try_wheel "${pythons[i]}"
+  # The stable ABI's also by the oldest that takes it.
+  oldest=$(find_python 3.12)
+  [[ $wheel != *-abi3-* ]] || [ -z "$oldest" ] || [ "$oldest" = "${pythons[i]}" ] ||
+    try_wheel "$oldest"
 done
 rm -rf "$out/try" "$out/numpy"

@@ -1,0 +1,38 @@
+// Light at points as an embedding says it itself, with direct light beside it and the error to
+// expect.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights/lights.h"
+#include "lte/runtime/embedding.h"
+#include "lte/scene/point_table.h"
+
+namespace lte::infer {
+
+struct EmbeddedLightOptions {
+  bool direct = false;  ///< add direct light, by the rays that lte_probe takes
+  /// An embedding of the same scene from other scene points, for the error; null: none is found.
+  const runtime::SceneEmbedding* other = nullptr;
+  uint64_t seed = 0;
+};
+
+struct EmbeddedLight {
+  std::vector<Rgb> irradiance;  ///< W/m²; indirect unless direct light is added
+  /// expected_errors(): what the two embeddings disagree by, and what a few thousand paths find the
+  /// region to be off by. Empty without `other`.
+  std::vector<double> expected_error;
+};
+
+/// @param albedo  of the surfaces at the points
+/// @throws lte::Error as SceneEmbedding::decode()
+EmbeddedLight embedded_light(const runtime::SceneEmbedding& embedding,
+                             const scene::PointTable& points, std::span<const Rgb> albedo,
+                             const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                             const EmbeddedLightOptions& options);
+
+}  // namespace lte::infer
