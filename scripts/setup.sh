@@ -4,7 +4,7 @@
 #
 #   scripts/setup.sh            packages, LibTorch, Open Image Denoise, xatlas
 #   scripts/setup.sh --tests    and what tests need besides: PyPI's tensorboard, nanobind, pytest,
-#                               pyktx2, three.js
+#                               mypy, pyktx2, three.js
 #   scripts/setup.sh --packages packages and xatlas alone, for -DLTE_TORCH=OFF
 #   LTE_SKIP_APT=1 ...          never touch the system's packages
 #   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
@@ -115,12 +115,12 @@ install_tensorboard() {
 
 # The Python package (-DLTE_PYTHON=ON), and what its tests import; a reader of KTX2 files.
 install_python_package_needs() {
-  local marker=.venv/tests/lte-python-2
-  if [ -e "$marker" ]; then say "Python package: nanobind, pytest and pyktx2 in .venv/tests"; return; fi
-  say "Python package: installing nanobind, NumPy, pytest, hypothesis and pyktx2 into .venv/tests"
+  local marker=.venv/tests/lte-python-3
+  if [ -e "$marker" ]; then say "Python package: nanobind, pytest, mypy and pyktx2 in .venv/tests"; return; fi
+  say "Python package: installing nanobind, NumPy, pytest, hypothesis, mypy and pyktx2 into .venv/tests"
   [ -x .venv/tests/bin/pip ] || make_environment .venv/tests
   .venv/tests/bin/pip install --quiet --disable-pip-version-check 'nanobind>=3.1,<4' numpy pytest \
-    hypothesis pyktx2
+    hypothesis mypy pyktx2
   touch "$marker"
 }
 

@@ -15,8 +15,8 @@ parser.add_argument("--out", default="room.png")
 options = parser.parse_args([] if hasattr(sys, "ps1") else None)  # none in notebooks
 
 scene = lte.load(options.scene)
-size = tuple(map(int, options.size.split("x")))
-picture = lte.render(scene, size=size, quality="preview")
+width, height = map(int, options.size.split("x"))
+picture = lte.render(scene, size=(width, height), quality="preview")
 picture.save(options.out)
 depth = picture.layers["depth"]
 near, far = depth[depth > 0].min(), depth.max()

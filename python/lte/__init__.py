@@ -28,7 +28,7 @@ from lte._training import Training, train
 if TYPE_CHECKING:
     from lte._viewing import View
 
-__version__: str = _lte.__version__
+__version__: str = _lte.version()
 __all__ = ["Camera", "Embedding", "Error", "Home", "Lamp", "Lamps", "Light", "LightMap", "Model",
            "Picture", "Scene", "Training", "bake", "configs", "from_blender", "from_mitsuba",
            "from_usd", "generate_dataset", "generate_scene", "homes", "info", "irradiance",

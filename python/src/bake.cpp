@@ -19,7 +19,7 @@ Array picture_of(const Baked& self, std::vector<float> irradiance) {
                   {static_cast<size_t>(self.map.height), static_cast<size_t>(self.map.width), 3});
 }
 
-nb::dict baked_layers(const Baked& self) {
+FloatArrays baked_layers(const Baked& self) {
   nb::dict out;
   for (const bake::Layer& layer : self.map.layers)
     out[layer.name.c_str()] = picture_of(self, layer.irradiance);

@@ -24,8 +24,10 @@ std::unique_ptr<Scene> generate(const std::string& generator, uint64_t seed) {
       [&] { return std::make_unique<Scene>(datagen::generate_scene(config, seed, generator)); });
 }
 
-nb::dict generate_dataset(const std::string& config_path, const std::string& out,
-                          const std::vector<std::string>& overrides, bool resume) {
+nb::typed<nb::dict, nb::str, int> generate_dataset(const std::string& config_path,
+                                                   const std::string& out,
+                                                   const std::vector<std::string>& overrides,
+                                                   bool resume) {
   const datagen::GenerateResult result = interruptible([&] {
     datagen::GenerateOptions options;
     options.out = out;
@@ -65,7 +67,7 @@ nb::ndarray<nb::numpy> array_with(Rows rows, const std::vector<int64_t>& shape, 
 }
 
 /// The tensors of a sample file, each an array of its own.
-nb::dict read_sample(const std::string& path) {
+Arrays read_sample(const std::string& path) {
   const SafetensorsFile file = interruptible([&] {
     SafetensorsFile opened{path};
     opened.verify();
@@ -82,8 +84,8 @@ nb::dict read_sample(const std::string& path) {
 }
 
 /// Bakes a scene as that of this number in a data set: what its file would have.
-nb::dict bake_sample(const Scene& self, const std::string& config_path,
-                     const std::vector<std::string>& overrides, int64_t index) {
+Arrays bake_sample(const Scene& self, const std::string& config_path,
+                   const std::vector<std::string>& overrides, int64_t index) {
   data::SceneSample sample = interruptible([&] {
     const datagen::DatagenConfig config = datagen::load_datagen_config(config_path, overrides);
     return datagen::bake_scene(self.scene(), datagen::bake_options(config, index, self.scene()),

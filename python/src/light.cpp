@@ -30,9 +30,9 @@ void check_surface(const Triples& points, const Triples& normals) {
   }
 }
 
-nb::dict probe(const Scene& self, const Triples& points, const Triples& normals,
-               const std::string& integrator, const Model* model, int64_t spp, double error,
-               int depth, uint64_t seed) {
+FloatArrays probe(const Scene& self, const Triples& points, const Triples& normals,
+                  const std::string& integrator, const Model* model, int64_t spp, double error,
+                  int depth, uint64_t seed) {
   infer::ProbeRequest request;
   request.integrator = integrator;
   request.spp = spp;
@@ -75,8 +75,8 @@ Array light_of(const std::vector<Rgb>& values, const pathtrace::Irradiance& of, 
                   {static_cast<size_t>(of.groups), static_cast<size_t>(of.points), 3});
 }
 
-nb::dict trace(const Scene& self, const Triples& points, const Triples& normals, int rays,
-               int depth, uint64_t seed, bool by_light) {
+FloatArrays trace(const Scene& self, const Triples& points, const Triples& normals, int rays,
+                  int depth, uint64_t seed, bool by_light) {
   const pathtrace::Irradiance light = interruptible([&] {
     pathtrace::IrradianceOptions options;
     options.rays = rays;

@@ -19,7 +19,7 @@ NB_MODULE(_lte, m) {
   nanobind::set_leak_warnings(false);
   nanobind::exception<Error>(m, "Error", PyExc_RuntimeError);
   set_log_level(LogLevel::Warning);
-  m.attr("__version__") = version();
+  m.def("version", &version);
   m.def("set_threads", [](int count) { python::argument([&] { set_num_threads(count); }); });
   m.def("threads", &num_threads);
   m.def("set_verbose",

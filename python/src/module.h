@@ -29,6 +29,9 @@ namespace nb = nanobind;
 /// [N, 3], read in place: three adjacent numbers a row, rows any distance apart.
 using Triples = nb::ndarray<const float, nb::shape<-1, 3>, nb::device::cpu>;
 using Array = nb::ndarray<nb::numpy, float>;
+/// By name.
+using Arrays = nb::typed<nb::dict, nb::str, nb::any>;
+using FloatArrays = nb::typed<nb::dict, nb::str, Array>;
 
 inline Vec3 row_of(const Triples& rows, size_t i) {
   const float* row = rows.data() + static_cast<int64_t>(i) * rows.stride(0);

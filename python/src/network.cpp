@@ -67,10 +67,12 @@ Array decode(const runtime::SceneEmbedding& self, const Scene& scene, const Trip
   return array_of(unlocked());
 }
 
-/// Light at points with the error to expect, or direct light, or both: [N, 3], and [N] or None.
-nb::tuple answer(const runtime::SceneEmbedding& self, const Scene& scene, const Triples& points,
-                 const Triples& normals, const std::optional<Triples>& albedo, bool direct,
-                 const runtime::SceneEmbedding* other, uint64_t seed) {
+/// Light at points with direct light, the error to expect, or both: [N, 3], and [N], or [0] without
+/// another embedding.
+nb::typed<nb::tuple, Array, Array> answer(const runtime::SceneEmbedding& self, const Scene& scene,
+                                          const Triples& points, const Triples& normals,
+                                          const std::optional<Triples>& albedo, bool direct,
+                                          const runtime::SceneEmbedding* other, uint64_t seed) {
   const infer::EmbeddedLight light = interruptible([&] {
     apply_threads();
     const scene::PointTable table = table_of(scene, points, normals);
@@ -80,7 +82,6 @@ nb::tuple answer(const runtime::SceneEmbedding& self, const Scene& scene, const 
     return infer::embedded_light(self, table, color, *scene.bvh(), *scene.lights(),
                                  {direct, other, seed});
   });
-  if (other == nullptr) return nb::make_tuple(array_of(light.irradiance), nb::none());
   const std::vector<float> error(light.expected_error.begin(), light.expected_error.end());
   return nb::make_tuple(array_of(light.irradiance), array_of(error, {error.size()}));
 }

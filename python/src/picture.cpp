@@ -39,7 +39,7 @@ Array image_array(const image::Image& image) {
   return array_of(image.pixels, {height, width, channels});
 }
 
-nb::dict layers(const Picture& self) {
+FloatArrays layers(const Picture& self) {
   nb::dict out;
   const std::pair<const char*, const image::Image*> named[] = {
       {"albedo", &self.frame.albedo}, {"normal", &self.frame.normal},
@@ -60,11 +60,13 @@ void save(const Picture& self, const std::string& path, std::optional<double> ex
 }
 
 /// Of origin, target, up and the vertical angle of view.
-using GivenCamera = std::tuple<nb::tuple, nb::tuple, std::optional<nb::tuple>, float>;
+using Triple = std::tuple<float, float, float>;
+using GivenCamera = std::tuple<Triple, Triple, std::optional<Triple>, float>;
 
 scene::Camera camera_of(const GivenCamera& given) {
-  const auto vec = [](const nb::tuple& t) {
-    return Vec3{nb::cast<float>(t[0]), nb::cast<float>(t[1]), nb::cast<float>(t[2])};
+  const auto vec = [](const Triple& t) {
+    const auto& [x, y, z] = t;
+    return Vec3{x, y, z};
   };
   const auto& [origin, target, up, vfov] = given;
   scene::Camera camera;

@@ -90,7 +90,7 @@ std::unique_ptr<Scene> with_light(const Scene& self, const std::string& light) {
   });
 }
 
-nb::tuple sample(const Scene& self, int64_t count, uint64_t seed) {
+nb::typed<nb::tuple, Array, Array> sample(const Scene& self, int64_t count, uint64_t seed) {
   const scene::SurfaceSamples points = interruptible([&] {
     scene::SamplerOptions options;
     options.seed = seed;
