@@ -8,6 +8,7 @@
 #include "infer/probe/gathered_probe.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/probe.h"
+#include "lte/pathtrace/reach/reach.h"
 
 namespace lte::infer {
 namespace {
@@ -58,6 +59,12 @@ EmbeddedLight embedded_light(const runtime::SceneEmbedding& embedding,
         check_light(bvh, lights, {points.position, points.normal, out.irradiance}, checking);
     out.expected_error = expected_errors(as_probe(out.irradiance, options.other->decode(queries)),
                                          direct_error, checked);
+    // What a network says of the inside of a cupboard is an error, and paths that meet no light
+    // there cannot say how large, relative to it.
+    const std::vector<uint8_t> lit =
+        pathtrace::reached(bvh, points.position, points.normal, pathtrace::Sides::Front, {});
+    for (size_t i = 0; i < lit.size(); ++i)
+      if (lit[i] == 0) out.expected_error[i] = rms(out.irradiance[i]);
   }
   for (size_t i = 0; i < direct.size(); ++i) out.irradiance[i] += direct[i];
   return out;

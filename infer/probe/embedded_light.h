@@ -24,7 +24,7 @@ struct EmbeddedLightOptions {
 struct EmbeddedLight {
   std::vector<Rgb> irradiance;  ///< W/m²; indirect unless direct light is added
   /// expected_errors(): what the two embeddings disagree by, and what a few thousand paths find the
-  /// region to be off by. Empty without `other`.
+  /// region to be off by; all of the answer where light does not reach. Empty without `other`.
   std::vector<double> expected_error;
 };
 

@@ -81,7 +81,8 @@ class Embedding:
         `albedo` [N, 3] is by default that of the surfaces. `direct` adds light straight from lamps,
         by 256 rays a point. `error` also gives [N], the root mean square error to expect, W/m²:
         what an embedding of other scene points differs by, and what a few thousand paths find the
-        region to be off by. lte.irradiance() has light that rays gather, nearer to the truth.
+        region to be off by; all of the answer where no light comes. Nine tenths of lit points lie
+        within twice that. lte.irradiance() has light that rays gather, nearer to the truth.
         """
         from lte._arrays import colors, surface
         at, side = surface(points, normals)

@@ -3,15 +3,19 @@
 # images are made by mmdebstrap from where this system has its packages. Then renders the demo in
 # the container, which must be the build's own picture.
 #
-# usage: scripts/dev/try_container.sh
+# usage: scripts/dev/try_container.sh [--setup]
+#
+# --setup  also builds the stage setup, in which sources are compiled: 1.3 GB to fetch, ten minutes
 #
 # Needs root, and buildah and mmdebstrap, which it installs. Images and files lie in a folder that
 # goes with the script.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+setup=
 case "${1:-}" in
   "") ;;
-  --help | -h) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+  --setup) setup=1 ;;
+  --help | -h) sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
   *) echo "try_container: unknown argument $1; see --help" >&2; exit 2 ;;
 esac
 fail() { echo "try_container: $*" >&2; exit 1; }
@@ -32,7 +36,10 @@ base=$(in_store from scratch)
 mmdebstrap --quiet --variant=apt --include=ca-certificates --format=tar bookworm - \
   $(ls /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | grep -E '\.(list|sources)$') |
   tar -x -C "$(in_store mount "$base")" || fail "no Debian from mmdebstrap"
+# The network may be one that signs by certificates of its own.
+cp /etc/ssl/certs/ca-certificates.crt "$(in_store mount "$base")/etc/ssl/certs/"
 in_store umount "$base" >/dev/null
+in_store config --env PIP_CERT=/etc/ssl/certs/ca-certificates.crt "$base"
 for name in 12 12-slim; do in_store commit -q "$base" "debian:$name" >/dev/null; done
 in_store rm "$base" >/dev/null
 
@@ -45,3 +52,12 @@ box=$(in_store from lte)
 in_store run "$box" -- lte "${demo[@]}" /tmp/room.png
 cmp "$(in_store mount "$box")/tmp/room.png" "$work/own.png" || fail "not the build's own picture"
 echo "try_container: its demo is the build's own picture"
+[ -n "$setup" ] || exit 0
+begin=$SECONDS
+in_store build -q --network host --target setup -t lte-setup . >"$work/log" 2>&1 ||
+  { cat "$work/log"; fail "buildah build --target setup"; }
+box=$(in_store from lte-setup)
+in_store run "$box" -- bash -c 'ls .venv/lib/python3*/site-packages/torch/lib/libtorch_cpu.so \
+  .venv/xatlas/xatlas.cpp && ninja --version && clang-tidy --version' >"$work/log" ||
+  fail "the stage setup lacks what the sources need"
+echo "try_container: stage setup built in $((SECONDS - begin)) s"
