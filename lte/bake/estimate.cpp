@@ -15,6 +15,13 @@ namespace {
 constexpr std::array<int, 5> kRounds = {24, 10, 4, 1, 0};
 /// Of the texels over which weights are estimated.
 constexpr int kWeightRounds = 6;
+/// One over the sum of a texel's squared weights after those rounds, where a texel and its
+/// neighbours are kFlatNeighbours: 4 pi times the variance, of which a round adds two thirds.
+constexpr float kFlatNeighbours = 9;
+constexpr float kWeightTexels = 4 * kPi * kWeightRounds * 2 / 3;
+/// Few bright paths make a way look right by chance: what the samples say of it counts as far as it
+/// exceeds so many times its own variance, three standard errors.
+constexpr float kDoubt = 9;
 /// Samples of so many times the light that is expected, and that share of the mean light, are
 /// peaks.
 constexpr float kPeak = 3;
@@ -28,7 +35,8 @@ void for_texels(size_t count, const std::function<void(size_t)>& use) {
 }
 
 /// Draws `estimate` towards `narrow`, of which each half comes from the same half of `samples`.
-void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& samples,
+/// @param doubt  kDoubt, or 0
+void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& samples, float doubt,
                   Halves* estimate) {
   const size_t count = samples[0].size();
   std::vector<float> light(count);
@@ -36,13 +44,25 @@ void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& s
     light[i] = luminance(((*estimate)[0][i] + (*estimate)[1][i]) * 0.5f);
   const std::vector<float> weight = render::error_weights(std::move(light));
   render::WayRegression regression(count);
+  std::vector<float> square(doubt > 0 ? count : 0);
   for_texels(count, [&](size_t i) {
-    for (size_t h = 0; h < 2; ++h)
+    for (size_t h = 0; h < 2; ++h) {
+      const float before = regression.along[i];
       regression.add(i, weight[i], (*estimate)[h][i], narrow[h][i], samples[1 - h][i]);
+      const float along = regression.along[i] - before;
+      if (doubt > 0) square[i] += along * along;
+    }
   });
   regression.spread(
       [&](std::vector<float> sum) { return graph.spread(std::move(sum), kWeightRounds); });
+  // A kernel's square is a kernel of half its variance, times the sum of squared weights.
+  if (doubt > 0) square = graph.spread(std::move(square), kWeightRounds / 2);
   for_texels(count, [&](size_t i) {
+    if (doubt > 0) {
+      const float inside = static_cast<float>(graph.neighbours(i).size() + 1) / kFlatNeighbours;
+      const float texels = std::max(1.0f, kWeightTexels * inside);
+      regression.shrink(i, doubt * square[i] / texels);
+    }
     for (size_t h = 0; h < 2; ++h)
       (*estimate)[h][i] = regression.draw(i, (*estimate)[h][i], narrow[h][i]);
   });
@@ -91,13 +111,15 @@ Halves without_peaks(const TexelGraph& graph, const Halves& estimate, Halves sam
 Halves smooth(const TexelGraph& graph, const Halves& samples) {
   std::array<Halves, kRounds.size()> means = all_means(graph, samples);
   Halves out = std::move(means[0]);
-  for (size_t k = 1; k < means.size(); ++k) draw_towards(graph, means[k], samples, &out);
+  for (size_t k = 1; k < means.size(); ++k) draw_towards(graph, means[k], samples, 0, &out);
   return out;
 }
 
 Halves correct(const TexelGraph& graph, Halves estimate, const Halves& samples) {
   const Halves even = without_peaks(graph, estimate, samples);
-  for (const Halves& mean : all_means(graph, even)) draw_towards(graph, mean, even, &estimate);
+  // Peaks are held against the way as they were: what was spread is noise that texels share.
+  for (const Halves& mean : all_means(graph, even))
+    draw_towards(graph, mean, samples, kDoubt, &estimate);
   return estimate;
 }
 

@@ -35,6 +35,13 @@ struct WayRegression {
     along = mean(std::move(along));
     square = mean(std::move(square));
   }
+  /// Draws less where noise may have made the share: by one less the ratio of noise to what was
+  /// found (James and Stein's positive part), nothing where that is not positive.
+  /// @param noise  variance of `along`
+  void shrink(size_t point, float noise) {
+    const float found = along[point];
+    along[point] = found > 0 && found * found > noise ? found - noise / found : 0;
+  }
   /// `from` drawn towards `to`; never below 0.
   Rgb draw(size_t point, const Rgb& from, const Rgb& to) const {
     if (!(square[point] > 0)) return from;

@@ -1,0 +1,83 @@
+// Means over halves of noisy samples, and their correction by others, against the light they are
+// of.
+#include "lte/bake/estimate.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lte/base/random.h"
+#include "lte/pathtrace/bvh.h"
+#include "tests/support/scenes.h"
+
+namespace lte::bake {
+namespace {
+
+constexpr int kEdge = 128;
+constexpr int kPaths = 16;
+constexpr double kLight = 1;
+
+/// Texels of a square metre.
+TexelGraph square_graph() {
+  scene::Scene scene;
+  test::add_quad(&scene, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, test::add_material(&scene, {1, 1, 1}));
+  const pathtrace::Bvh bvh(scene);
+  std::vector<Vec3> position, normal(size_t{kEdge} * kEdge, Vec3{0, 1, 0});
+  for (int y = 0; y < kEdge; ++y)
+    for (int x = 0; x < kEdge; ++x)
+      position.push_back(
+          {(static_cast<float>(x) + 0.5f) / kEdge, 0, (static_cast<float>(y) + 0.5f) / kEdge});
+  const std::vector<float> edge(position.size(), 1.0f / kEdge);
+  return {bvh, {position, normal, edge, std::vector<uint8_t>(position.size())}};
+}
+
+/// Even light by kPaths paths a texel and half, of which one in `rarity` finds a lamp: the rarer,
+/// the brighter it is.
+Halves paths(double rarity, uint64_t seed) {
+  Halves out;
+  Rng rng(seed, 1);
+  for (std::vector<Rgb>& half : out) {
+    for (int i = 0; i < kEdge * kEdge; ++i) {
+      int found = 0;
+      for (int k = 0; k < kPaths; ++k) found += double{rng.uniform()} * rarity < 1 ? 1 : 0;
+      const auto light = static_cast<float>(kLight * rarity * found / kPaths);
+      half.push_back({light, light, light});
+    }
+  }
+  return out;
+}
+
+Halves even(float light) {
+  Halves out;
+  out.fill(std::vector<Rgb>(size_t{kEdge} * kEdge, Rgb{light, light, light}));
+  return out;
+}
+
+/// Of the mean of halves; root mean square.
+double error(const Halves& light) {
+  double sum = 0;
+  for (size_t i = 0; i < light[0].size(); ++i)
+    sum += std::pow(double{light[0][i].y + light[1][i].y} / 2 - kLight, 2);
+  return std::sqrt(sum / static_cast<double>(light[0].size()));
+}
+
+TEST(Estimate, RarePathsDoNotSpoilGatheredLight) {
+  const TexelGraph graph = square_graph();
+  for (const double rarity : {3.0, 30.0, 300.0}) {
+    const Halves found = paths(rarity, 5);
+    const Halves wide{graph.spread(found[0], 24), graph.spread(found[1], 24)};
+    EXPECT_LT(error(correct(graph, even(1), found)), 0.4 * error(wide)) << rarity;
+  }
+}
+
+TEST(Estimate, PathsCorrectGatheredLight) {
+  const TexelGraph graph = square_graph();
+  for (const float wrong : {0.6f, 0.8f, 1.4f}) {
+    const double before = std::abs(1 - double{wrong});
+    EXPECT_LT(error(correct(graph, even(wrong), paths(3, 7))), 0.5 * before) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace lte::bake
