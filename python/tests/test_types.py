@@ -24,7 +24,7 @@ right: list[str] = [lamp.name for lamp in scene.lights] + list(next(lte.homes())
 
 
 def check(*files):
-    """Only what mypy says of the files themselves: of the package it wants programs that may lack."""
+    """What mypy says of the files themselves: of the package it wants programs that may lack."""
     folder = pathlib.Path(lte.__file__).parents[1]
     environment = {**os.environ, "MYPYPATH": "" if "site-packages" in folder.parts else str(folder)}
     said = subprocess.run([sys.executable, "-m", "mypy", "--cache-dir", os.devnull, "--no-color",
