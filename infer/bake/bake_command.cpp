@@ -32,6 +32,10 @@ void check_usage(const BakeRequest& r) {
   LTE_CHECK(whole == nullptr || (r.time.empty() && r.error <= 0), whole,
             " goes with --quality: how far --time and --error get is chance");
   if (!r.shard.empty()) parse_shard(r.shard);
+  const char* const atlas = first_given(*r.flags, {"--texels-per-metre", "--size"});
+  LTE_CHECK(atlas == nullptr || r.since.empty(), atlas, ": --since keeps the atlas of ", r.since);
+  LTE_CHECK(first_set(r.keys, {"change"}) == nullptr || !r.since.empty(),
+            "--set change goes with --since");
   LTE_CHECK(r.validate_only || !r.out.empty(), "--out: name the folder to write");
 }
 
@@ -51,6 +55,7 @@ void say(const BakeRequest& request, const bake::Lightmap& map, double seam) {
   log_info(request.out, ": ", map.width, " x ", map.height, ", ", counts[1], " lit texels and ",
            counts[3], " dark ones in ", p.seconds, " s, expected error ", 100 * p.expected_error,
            " %");
+  if (p.kept_texels > 0) log_info(p.kept_texels, " texels are those of ", request.since);
   if (p.two_sided_texels > 0)
     log_info(p.two_sided_texels, " texels are lit on both sides; the brighter was baked");
   if (p.metal_instances > 0)
@@ -66,6 +71,7 @@ void say(const BakeRequest& request, const bake::Lightmap& map, double seam) {
                                {"filled_texels", counts[2]},
                                {"dark_texels", counts[3]},
                                {"two_sided_texels", p.two_sided_texels},
+                               {"kept_texels", p.kept_texels},
                                {"paths_per_texel", p.paths_per_texel},
                                {"expected_error", p.expected_error},
                                {"seam_p99", seam},
@@ -122,6 +128,13 @@ void add_bake_options(CLI::App& app, BakeRequest* r) {
   app.add_option("--probes", r->probes, "Probes of a grid, too: auto or NXxNYxNZ");
   app.add_flag("--resume", r->resume,
                "Go on with a bake that was stopped, or join shards: the same bytes as of one run");
+  app.add_flag("--keep-samples", r->keep_samples,
+               "Leave what a later --since goes on with in --out, too");
+  app.add_option(
+         "--since", r->since,
+         "Bake anew only what has changed since the bake in this folder, of the same flags; "
+         "may be that of --out")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--shard", r->shard,
                  "Bake one of N shards, for processes that share the work: leaves its part in "
                  "--out, where --resume joins them")
@@ -129,6 +142,10 @@ void add_bake_options(CLI::App& app, BakeRequest* r) {
   add_light_keys("the texel", r);
   r->keys.add("keep_every", &r->keep_every, 0, 1e9,
               "seconds between two times at which what is sampled is kept for --resume");
+  r->keys.add(
+      "change", &r->change, 1e-4, 1,
+      "of --since: texels are baked anew where light has changed, or may have, by more than "
+      "this share of it");
   r->keys.add("keep_uvs", &r->atlas.keep_uvs,
               "take TEXCOORD_1 as it is, or fail; off: where it overlaps or is missing, charts are "
               "made");

@@ -24,8 +24,11 @@ struct BakeRequest : LightRequest {
   bake::FormatOptions files;  ///< but for probes
   std::string probes;         ///< "", auto or NXxNYxNZ
   bool resume = false;
-  std::string shard;       ///< "2/4"; empty: the whole bake
-  double keep_every = 10;  ///< seconds
+  bool keep_samples = false;  ///< leave what a later --since goes on with
+  std::string since;          ///< folder of a bake of the scene before it changed; empty: none
+  double change = 0.02;       ///< bake::RebakeOptions::tolerance
+  std::string shard;          ///< "2/4"; empty: the whole bake
+  double keep_every = 10;     ///< seconds
 };
 
 void add_bake_options(CLI::App& app, BakeRequest* request);

@@ -77,8 +77,10 @@ class LayerBaker {
   int shards() const { return shards_.front().count; }
 
   /// The light of the next layer. Of one shard its part is written, and nothing comes back.
+  /// @param state  gets the samples; may be null
   bake::TexelLight operator()(const render::TracedScene& scene,
-                              const render::Integrator& integrator, bake::LightOptions options) {
+                              const render::Integrator& integrator, bake::LightOptions options,
+                              bake::LightState* state = nullptr) {
     std::vector<bake::LightState> states;
     for (const bake::Shard shard : shards_) {
       std::optional<bake::LightState> kept;
@@ -88,7 +90,7 @@ class LayerBaker {
       }
       options.from = kept ? &*kept : nullptr;
       options.shard = shard;
-      if (keeps_) options.keep = [&](const bake::LightState& state) { keep(shard, state); };
+      if (keeps_) options.keep = [&](const bake::LightState& now) { keep(shard, now); };
       states.push_back(
           bake::sample_texels(scene, integrator, layout_.atlas, layout_.texels, options));
     }
@@ -97,8 +99,9 @@ class LayerBaker {
       write(shards_[0], layer_ - 1, states[0]);
       return {};
     }
-    return bake::light_of(scene.bvh, integrator.method(), layout_.texels, options,
-                          bake::joined(states));
+    bake::LightState all = bake::joined(states);
+    if (state != nullptr) *state = all;
+    return bake::light_of(scene.bvh, integrator.method(), layout_.texels, options, std::move(all));
   }
 
  private:
@@ -129,13 +132,31 @@ class LayerBaker {
   Timer since_;
 };
 
+bake::TexelLight bake_changes(const render::TracedScene& scene,
+                              const render::Integrator& integrator, const bake::Layout& layout,
+                              const bake::LightOptions& options, double tolerance, SinceBake* since,
+                              bake::LightState* state) {
+  const KeptBake& old = since->old;
+  const pathtrace::Bvh old_bvh(old.atlas.scene);
+  const pathtrace::Lights old_lights(old.atlas.scene);
+  since->kept = bake::find_changes({old_bvh, old_lights}, scene, since->relayout, old.light,
+                                   options, {tolerance});
+  bake::LightState found = bake::rebake(scene, integrator, layout, options, old.light, since->kept);
+  if (state != nullptr) *state = found;
+  bake::TexelLight out = bake::rebaked_light(scene.bvh, integrator.method(), layout, options,
+                                             std::move(found), old.light, since->kept);
+  // Of the same samples a texel; what is not smoothed here would say otherwise.
+  out.expected_error = old.expected_error;
+  return out;
+}
+
 }  // namespace
 
 std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
                                           const runtime::Network* network,
                                           const EmbedSettings& settings, const bake::Layout& layout,
-                                          double seconds, const BakeParts* parts,
-                                          Renderer* renderer) {
+                                          double seconds, const BakeParts* parts, SinceBake* since,
+                                          bake::LightState* state, Renderer* renderer) {
   const Timer timer;
   const double time = request.time.empty() ? INFINITY : parse_time(request.time) - seconds;
   render::IrradianceSource source;
@@ -153,8 +174,11 @@ std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
   options.seconds = time - timer.seconds();
   const scene::Scene& scene = renderer->bvh().scene();
   std::vector<bake::BakedLayer> out;
-  if (!request.by_light) {
-    out.push_back({"light", bake_layer(traced, *integrator, options)});
+  if (since != nullptr) {
+    out.push_back({"light", bake_changes(traced, *integrator, layout, options, request.change,
+                                         since, state)});
+  } else if (!request.by_light) {
+    out.push_back({"light", bake_layer(traced, *integrator, options, state)});
   } else {
     // Sides by all light, so that layers are of the same.
     const bake::Sides sides = bake::find_sides(*integrator, layout.atlas, layout.texels, options);

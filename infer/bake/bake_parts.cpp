@@ -76,6 +76,45 @@ std::optional<bake::LightState> BakeParts::read(bake::Shard shard, size_t layer,
     throw Error(concat(path.string(), ": does not say how it was made", kHint));
   }
   check_made_with(path.string(), "it was", there, made_with_, kHint);
+  return read_state(file, texels, charts, direct);
+}
+
+void BakeParts::write(bake::Shard shard, size_t layer, const bake::LightState& state) const {
+  SafetensorsWriter writer;
+  StateCounts counts;
+  add_state(state, &counts, &writer);
+  writer.set_metadata(
+      kMadeWith,
+      nlohmann::json(made_with_).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  writer.write(name(shard, layer));
+}
+
+void BakeParts::remove(int shards) const {
+  std::vector<fs::path> found;
+  for_parts(folder_, [&](const fs::path& path, int count) {
+    if (count == shards) found.push_back(path);
+  });
+  std::error_code ignored;
+  for (const fs::path& path : found) fs::remove(path, ignored);
+}
+
+void add_state(const bake::LightState& state, StateCounts* counts, SafetensorsWriter* writer) {
+  const auto add = [&](const std::string& tensor, const std::vector<Rgb>& from) {
+    writer->add(tensor, {static_cast<int64_t>(from.size()), 3},
+                reinterpret_cast<const float*>(from.data()));
+  };
+  for_sums(state.samples, "samples", add);
+  for_sums(state.paths, "paths", add);
+  writer->add("dark", {static_cast<int64_t>(state.dark.size())}, state.dark.data());
+  writer->add("rate", {static_cast<int64_t>(state.rate.size())}, state.rate.data());
+  writer->add("back", {static_cast<int64_t>(state.back.size())}, state.back.data());
+  *counts = {state.two_sided, state.samples.passes[0], state.samples.passes[1],
+             state.paths.passes[0], state.paths.passes[1]};
+  writer->add("counts", {5}, counts->data());
+}
+
+bake::LightState read_state(const SafetensorsFile& file, size_t texels, size_t charts,
+                            bool direct) {
   const auto rows = static_cast<int64_t>(texels);
   bake::LightState out;
   out.samples = bake::TexelSamples(texels, direct);
@@ -100,36 +139,6 @@ std::optional<bake::LightState> BakeParts::read(bake::Shard shard, size_t layer,
     out.paths.passes[h] = static_cast<int>(counts[3 + h]);
   }
   return out;
-}
-
-void BakeParts::write(bake::Shard shard, size_t layer, const bake::LightState& state) const {
-  SafetensorsWriter writer;
-  const auto add = [&](const std::string& tensor, const std::vector<Rgb>& from) {
-    writer.add(tensor, {static_cast<int64_t>(from.size()), 3},
-               reinterpret_cast<const float*>(from.data()));
-  };
-  for_sums(state.samples, "samples", add);
-  for_sums(state.paths, "paths", add);
-  writer.add("dark", {static_cast<int64_t>(state.dark.size())}, state.dark.data());
-  writer.add("rate", {static_cast<int64_t>(state.rate.size())}, state.rate.data());
-  writer.add("back", {static_cast<int64_t>(state.back.size())}, state.back.data());
-  const std::array<int64_t, 5> counts{state.two_sided, state.samples.passes[0],
-                                      state.samples.passes[1], state.paths.passes[0],
-                                      state.paths.passes[1]};
-  writer.add("counts", {5}, counts.data());
-  writer.set_metadata(
-      kMadeWith,
-      nlohmann::json(made_with_).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-  writer.write(name(shard, layer));
-}
-
-void BakeParts::remove(int shards) const {
-  std::vector<fs::path> found;
-  for_parts(folder_, [&](const fs::path& path, int count) {
-    if (count == shards) found.push_back(path);
-  });
-  std::error_code ignored;
-  for (const fs::path& path : found) fs::remove(path, ignored);
 }
 
 bake::Shard parse_shard(const std::string& text) {

@@ -2,6 +2,7 @@
 // processes have baked are joined.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "infer/renderer/made_with.h"
 #include "lte/bake/light.h"
+#include "lte/base/safetensors.h"
 
 namespace lte::infer {
 
@@ -36,6 +38,14 @@ class BakeParts {
   std::filesystem::path folder_;
   MadeWith made_with_;
 };
+
+/// Sides and passes of a state.
+using StateCounts = std::array<int64_t, 5>;
+/// The tensors of a state, by their names in files. State and counts must outlive the writer.
+/// @param counts  gets what the writer borrows
+void add_state(const bake::LightState& state, StateCounts* counts, SafetensorsWriter* writer);
+/// @throws lte::Error naming file and tensor
+bake::LightState read_state(const SafetensorsFile& file, size_t texels, size_t charts, bool direct);
 
 /// Reads "2/4". @throws lte::Error naming --shard
 bake::Shard parse_shard(const std::string& text);

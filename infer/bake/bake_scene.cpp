@@ -27,7 +27,7 @@ constexpr double kTexelBytes = 600, kLayerBytes = 36;
 /// A light map less even than that in an EXR: of pixels, how many are texels.
 constexpr double kAtlasUse = 0.7;
 /// Flags that change no sample.
-const std::set<std::string> kNoMatter = {"format", "three", "probes", "shard"};
+const std::set<std::string> kNoMatter = {"format", "three", "probes", "shard", "keep-samples"};
 
 /// @throws runtime::NotEnoughMemory before any of it is taken
 void check_memory(const BakeRequest& request, const scene::Scene& scene,
@@ -77,6 +77,33 @@ void check_lit(const BakeRequest& request, const bake::Lightmap& map) {
   LTE_CHECK(lit, request.scene, ": light reaches no texel, so there is nothing to bake");
 }
 
+/// Of what a later bake goes on with, and of what this one would go on with.
+void check_since(const BakeRequest& r) {
+  if (!r.keep_samples && r.since.empty()) return;
+  const char* const flag = r.since.empty() ? "--keep-samples" : "--since";
+  LTE_CHECK(!r.by_light && !r.needs_network(), flag,
+            " goes with --integrator gather or path, and without --by-light");
+  LTE_CHECK(r.time.empty() && r.error <= 0, flag,
+            " goes with --quality: how far --time and --error get is chance");
+  LTE_CHECK(r.since.empty() || (!r.resume && r.shard.empty()),
+            "--since is a bake of its own, without --resume and --shard");
+}
+
+/// All but the settings.
+ToKeep to_keep(const scene::Scene& scene, const bake::Layout& layout, bake::LightState state) {
+  ToKeep out;
+  out.kept_uvs = layout.atlas.kept_uvs;
+  out.objects = bake::mesh_fingerprints(scene);
+  out.light.state = std::move(state);
+  out.light.state.graph.reset();
+  const bake::Texels& texels = layout.texels;
+  out.light.pixel.assign(texels.pixel.begin(), texels.pixel.end());
+  out.light.chart = texels.chart;
+  for (size_t i = 0; i < texels.size(); ++i)
+    out.light.instance.push_back(texels.fragments[texels.first[i]].instance);
+  return out;
+}
+
 }  // namespace
 
 std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* renderer) {
@@ -84,8 +111,17 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
   const scene::Scene& scene = renderer->bvh().scene();
   LTE_CHECK(renderer->has_light(), request.scene,
             ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
+  check_since(request);
   check_memory(request, scene, runtime::MemoryLimit(request.tool.max_memory_mb));
-  bake::Layout layout = bake::make_layout(scene, request.atlas);
+  std::optional<KeptBake> old;
+  bake::Relayout relayout;
+  bake::Layout& layout = relayout.layout;
+  if (request.since.empty()) {
+    layout = bake::make_layout(scene, request.atlas);
+  } else {
+    old = read_kept(request, scene);
+    relayout = bake::lay_out_again(scene, old->atlas);
+  }
   log_info("atlas: ", layout.atlas.width, " x ", layout.atlas.height, ", ", layout.texels.size(),
            " texels in ", layout.atlas.charts, " charts",
            layout.atlas.kept_uvs ? ", the scene's own TEXCOORD_1" : "");
@@ -109,8 +145,13 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
     parts.emplace(request.out, made_with(*request.flags, scene, model, kNoMatter));
   BakedScene out;
   if (request.resume && request.shard.empty()) out.shards = std::max(1, parts->shards());
-  std::vector<bake::BakedLayer> layers = bake_layers(
-      request, model, settings, layout, timer.seconds(), parts ? &*parts : nullptr, renderer);
+  std::optional<SinceBake> since;
+  if (old) since.emplace(SinceBake{*old, relayout, {}});
+  const bool keeps = request.keep_samples || old;
+  bake::LightState state;
+  std::vector<bake::BakedLayer> layers =
+      bake_layers(request, model, settings, layout, timer.seconds(), parts ? &*parts : nullptr,
+                  since ? &*since : nullptr, keeps ? &state : nullptr, renderer);
   if (layers.empty()) {
     log_info(request.out, ": shard ", request.shard, " in ", timer.seconds(),
              " s; --resume joins all of them");
@@ -125,8 +166,17 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
   for (const bake::BakedLayer& layer : layers)
     provenance.expected_error = std::max(provenance.expected_error, layer.light.expected_error);
   provenance.paths_per_texel = layers.front().light.paths;
-  out.map = bake::make_lightmap(renderer->bvh(), std::move(layout), std::move(layers),
-                                std::move(provenance), &out.seam_p99);
+  if (keeps) {
+    out.keep = to_keep(scene, layout, std::move(state));
+    out.keep->settings = settings_of(request, scene);
+  }
+  out.map = bake::make_lightmap(renderer->bvh(), since ? layout : std::move(layout),
+                                std::move(layers), std::move(provenance), &out.seam_p99);
+  if (since) {
+    const std::vector<uint8_t>& changed = since->kept.changed;
+    bake::restore_kept(layout, old->light, since->kept, &out.map);
+    out.map.provenance.kept_texels = std::count(changed.begin(), changed.end(), 0);
+  }
   check_lit(request, out.map);
   out.map.provenance.seconds = timer.seconds();
   out.probes = probes_of(request, *renderer);
@@ -149,6 +199,7 @@ void write_baked(const BakedScene& baked, const std::string& format_name,
     format->write(baked.map, options, &files);
   }
   if (baked.probes) bake::write_probes(*baked.probes, &files);
+  if (baked.keep) write_kept(*baked.keep, baked.map, &files);
   files.commit();
 }
 

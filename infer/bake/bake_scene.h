@@ -6,6 +6,7 @@
 #include <string>
 
 #include "infer/bake/bake_command.h"
+#include "infer/bake/kept_bake.h"
 #include "infer/renderer/renderer.h"
 #include "lte/bake/formats/formats.h"
 #include "lte/bake/lightmap.h"
@@ -16,6 +17,7 @@ namespace lte::infer {
 struct BakedScene {
   bake::Lightmap map;
   std::optional<bake::ProbeVolume> probes;  ///< where request.probes asks for them
+  std::optional<ToKeep> keep;               ///< for a later --since, where request asks for it
   double seam_p99 = 0;                      ///< bake::make_lightmap()
   int shards = 1;                           ///< whose parts in the folder it was joined of
 };

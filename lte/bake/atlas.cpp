@@ -149,7 +149,17 @@ std::vector<int32_t> charts_of(const scene::Mesh& mesh, int32_t* charts) {
   return out;
 }
 
-/// Brings uvs[1] from pixels to [0, 1] and gives names and rectangles.
+/// uvs[1] from pixels to [0, 1].
+void bring_to_unit(Atlas* atlas) {
+  for (scene::Mesh& mesh : atlas->scene.meshes) {
+    for (Vec2& uv : mesh.uvs[1]) {
+      uv = {std::clamp(uv.x / static_cast<float>(atlas->width), 0.0f, 1.0f),
+            std::clamp(uv.y / static_cast<float>(atlas->height), 0.0f, 1.0f)};
+    }
+  }
+}
+
+/// Gives names and rectangles.
 void place(const scene::Scene& source, Atlas* atlas) {
   std::set<std::string> names;
   for (size_t i = 0; i < atlas->scene.meshes.size(); ++i) {
@@ -162,10 +172,6 @@ void place(const scene::Scene& source, Atlas* atlas) {
     for (int k = 2; !names.insert(out.name).second; ++k) out.name = concat(base, "_", k);
     mesh.name = out.name;
     out.min = {1, 1};
-    for (Vec2& uv : mesh.uvs[1]) {
-      uv = {std::clamp(uv.x / static_cast<float>(atlas->width), 0.0f, 1.0f),
-            std::clamp(uv.y / static_cast<float>(atlas->height), 0.0f, 1.0f)};
-    }
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
       if (atlas->chart[i][t] == scene::kNone) continue;
       for (const Vec2& uv : uv_of(mesh, t)) {
@@ -189,14 +195,27 @@ Atlas make_atlas(const scene::Scene& scene, const AtlasOptions& options) {
             options.texels_per_metre);
   const std::string fault = fault_of_uvs(scene);
   LTE_CHECK(!options.keep_uvs || fault.empty(), "--set keep_uvs: ", fault);
-  Atlas out = fault.empty() ? keep_uvs(scene, options) : make_charts(scene, options);
-  for (const scene::Mesh& mesh : out.scene.meshes) {
-    out.chart.push_back(charts_of(mesh, &out.charts));
-    out.lost_triangles += std::count(out.chart.back().begin(), out.chart.back().end(),
-                                     static_cast<int32_t>(scene::kNone));
-  }
-  place(scene, &out);
+  if (!fault.empty()) return make_atlas_of_charts(scene, options);
+  Atlas out = keep_uvs(scene, options);
+  bring_to_unit(&out);
+  finish_atlas(scene, &out);
   return out;
+}
+
+Atlas make_atlas_of_charts(const scene::Scene& scene, const AtlasOptions& options) {
+  Atlas out = make_charts(scene, options);
+  bring_to_unit(&out);
+  finish_atlas(scene, &out);
+  return out;
+}
+
+void finish_atlas(const scene::Scene& source, Atlas* atlas) {
+  for (const scene::Mesh& mesh : atlas->scene.meshes) {
+    atlas->chart.push_back(charts_of(mesh, &atlas->charts));
+    atlas->lost_triangles += std::count(atlas->chart.back().begin(), atlas->chart.back().end(),
+                                        static_cast<int32_t>(scene::kNone));
+  }
+  place(source, atlas);
 }
 
 }  // namespace lte::bake

@@ -35,4 +35,10 @@ struct Atlas {
 ///         has an area, and under keep_uvs where TEXCOORD_1 will not do, saying why.
 Atlas make_atlas(const scene::Scene& scene, const AtlasOptions& options);
 
+/// The same by new charts, whatever TEXCOORD_1 is.
+Atlas make_atlas_of_charts(const scene::Scene& scene, const AtlasOptions& options);
+
+/// Charts, names and rectangles of an atlas whose scene.meshes have uvs[1] in [0, 1].
+void finish_atlas(const scene::Scene& source, Atlas* atlas);
+
 }  // namespace lte::bake

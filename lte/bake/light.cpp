@@ -22,8 +22,6 @@ constexpr double kSharedError = 0.015;
 constexpr double kSmoothingSeconds = 6e-6;
 /// Steps of progress beside passes: sides, darkness, neighbours, means.
 constexpr int kOtherSteps = 4;
-/// Rays of a texel in a pass of paths.
-constexpr int kPathsAPass = 2;
 /// Passes after which the error is looked at for the first time, and whenever they have doubled.
 constexpr int kFirstLook = 8;
 

@@ -60,6 +60,9 @@ struct Sides {
 /// pixels do, so there are more.
 inline constexpr int64_t kRecords = 4 * render::CacheSettings{}.records;
 
+/// Rays of a texel in a pass of paths that correct what was gathered.
+inline constexpr int kPathsAPass = 2;
+
 /// What samples are drawn. Passes alternate between two halves.
 struct LightOptions {
   bool direct = false;    ///< beside indirect light

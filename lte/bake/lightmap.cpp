@@ -40,7 +40,8 @@ Json to_json(const Provenance& p) {
           {"expected_error", p.expected_error},
           {"texels_per_metre", p.texels_per_metre},
           {"two_sided_texels", p.two_sided_texels},
-          {"metal_instances", p.metal_instances}};
+          {"metal_instances", p.metal_instances},
+          {"kept_texels", p.kept_texels}};
 }
 
 std::vector<float> Lightmap::total() const {

@@ -53,6 +53,7 @@ struct Provenance {
   double paths_per_texel = 0;   ///< mean over lit texels
   int64_t two_sided_texels = 0;  ///< lit on both sides, of which the brighter was taken
   int64_t metal_instances = 0;   ///< baked as matt
+  int64_t kept_texels = 0;       ///< of an earlier bake, whose light has not changed
 };
 
 /// As records beside baked files have it.

@@ -125,7 +125,7 @@ Sides choose_sides(const TexelSampler& sampler, const render::Integrator& integr
   std::vector<uint32_t> asked = deciding_texels(texels, atlas.charts);
   std::erase_if(asked, [&](uint32_t i) {
     const auto chart = static_cast<size_t>(texels.chart[i]);
-    return two_sided[chart] == 0 && front.reached(chart);
+    return front.texels[chart] == 0 || (two_sided[chart] == 0 && front.reached(chart));
   });
   TexelSamples behind(texels.size(), !samples.direct[0].empty());
   Sides out{std::vector<uint8_t>(static_cast<size_t>(atlas.charts), 1), 0};

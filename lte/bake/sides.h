@@ -13,7 +13,8 @@ namespace lte::bake {
 std::vector<uint32_t> deciding_texels(const Texels& texels, int32_t charts);
 
 /// The side of each chart that light reaches; the brighter one of two-sided charts lit on both.
-/// @param which    texels with two passes of the front in `samples`: the deciding ones at least
+/// @param which    texels with two passes of the front in `samples`: the deciding ones at least.
+///                 Charts without any are not looked at, and not turned.
 Sides choose_sides(const TexelSampler& sampler, const render::Integrator& integrator,
                    const Atlas& atlas, const Texels& texels, std::span<const uint32_t> which,
                    const TexelSamples& samples);

@@ -47,15 +47,19 @@ def bake(scene: Scene, *, texels_per_metre: float = 32, size: int | None = None,
          by_light: bool = False, integrator: Integrator = "gather", model: Model | None = None,
          quality: Literal["draft", "preview", "final"] = "preview", time: float | None = None,
          error: float | None = None, probes: str = "", depth: int = 5, seed: int = 0,
+         keep_samples: bool = False, since: Path = "", change: float = 0.02,
          progress: bool = False) -> LightMap:
     """A light map, the one that lte_bake makes with flags of these names.
 
     `size` is the edge of the picture, in the place of texels_per_metre. `time` is in seconds.
     `by_light` makes a layer of each lamp. `probes` are "auto" or "8x4x8", and are saved beside.
-    `model` goes with the integrator network, by default lte-base. `progress` shows how far it is on
-    standard error, with the notes of lte_bake.
+    `model` goes with the integrator network, by default lte-base. `since` is a folder where a bake
+    with `keep_samples` was saved: its atlas is taken, and what differs by less than `change`.
+    `progress` shows how far it is on standard error, with the notes of lte_bake.
     """
     made = made_of(scene)
+    if path_text(since) and size is not None:
+        raise _lte.Error("size: since keeps its atlas")
     if not hasattr(_lte, "bake"):
         raise _lte.Error("bake: this package is built without xatlas")
     return LightMap(_lte.bake(
@@ -65,4 +69,4 @@ def bake(scene: Scene, *, texels_per_metre: float = 32, size: int | None = None,
         network_of(integrator, model), str(quality),
         0 if time is None else number("time", time, 1e-6, 1e9),
         0 if error is None else number("error", error, 1e-6, 1e6), str(probes), depth_number(depth),
-        seed_number(seed)))
+        seed_number(seed), bool(keep_samples), path_text(since), number("change", change, 1e-4, 1)))

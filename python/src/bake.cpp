@@ -53,7 +53,7 @@ Baked bake_lightmap(const Scene& self, bool progress, double texels_per_metre, i
                     bool keep_uvs, const std::string& include, bool by_light,
                     const std::string& integrator, const Model* model, const std::string& quality,
                     double seconds, double error, const std::string& probes, int depth,
-                    uint64_t seed) {
+                    uint64_t seed, bool keep_samples, const std::string& since, double change) {
   infer::BakeRequest request;
   request.scene = self.scene().name;
   request.atlas = {texels_per_metre, size, keep_uvs};
@@ -71,6 +71,9 @@ Baked bake_lightmap(const Scene& self, bool progress, double texels_per_metre, i
   request.probes = probes;
   request.max_depth = depth;
   request.seed = seed;
+  request.keep_samples = keep_samples;
+  request.since = since;
+  request.change = change;
   const Verbose verbose(progress);
   return interruptible([&] {
     if (model != nullptr) apply_threads();
@@ -103,7 +106,8 @@ void bind_bake(nb::module_& m) {
   m.def("bake", &bake_lightmap, nb::arg("scene"), nb::arg("progress"), nb::arg("texels_per_metre"),
         nb::arg("size"), nb::arg("keep_uvs"), nb::arg("include"), nb::arg("by_light"),
         nb::arg("integrator"), nb::arg("model").none(), nb::arg("quality"), nb::arg("seconds"),
-        nb::arg("error"), nb::arg("probes"), nb::arg("depth"), nb::arg("seed"));
+        nb::arg("error"), nb::arg("probes"), nb::arg("depth"), nb::arg("seed"),
+        nb::arg("keep_samples"), nb::arg("since"), nb::arg("change"));
   m.def("bake_formats", [] {
     std::vector<std::string> names{"gltf"};
     for (const bake::Format& format : bake::engine_formats()) names.emplace_back(format.name);

@@ -52,6 +52,17 @@ def test_a_white_furnace_is_even(tmp_path):
     assert np.median(abs(lit - known)) < 0.02 * known and abs(lit.mean() / known - 1) < 0.01
 
 
+def test_a_bake_goes_on_since_another(room, tmp_path):
+    first = lte.bake(room, texels_per_metre=4, quality="draft", keep_samples=True)
+    first.save(tmp_path)
+    again = lte.bake(room, quality="draft", since=tmp_path)
+    assert (again.irradiance == first.irradiance).all() and (again.mask == first.mask).all()
+    with pytest.raises(lte.Error, match="was baked with quality draft, not preview"):
+        lte.bake(room, since=tmp_path)
+    with pytest.raises(lte.Error, match="since"):
+        lte.bake(room, since=tmp_path, size=64)
+
+
 def test_probes_and_engines_are_saved(room, tmp_path):
     baked = lte.bake(room, texels_per_metre=2, quality="draft", probes="2x2x2")
     baked.save(tmp_path / "godot", format="godot")
