@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "experiments/chart.h"
 #include "infer/eval/report/eval_report.h"
 #include "infer/eval/report/picture_sheet.h"
 #include "lte/base/check.h"

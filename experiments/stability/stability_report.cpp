@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "experiments/chart.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/text.h"
