@@ -182,7 +182,7 @@ import lte
 lte.render(lte.load(lte.living_room), size=(320, 240), quality="preview").save("first.png")')
   awk -v s="$start" -v e="$(date +%s.%N)" \
     'BEGIN {printf "wheel: %.1f s from a new environment to its first picture\n", e - s}'
-  "$venv/bin/pip" install -q --disable-pip-version-check pytest hypothesis
+  "$venv/bin/pip" install -q --disable-pip-version-check pytest hypothesis mypy
   (cd "$venv" && bin/python -m pytest -q -p no:cacheprovider "$root/python/tests")
   [ -n "$torch" ] || return 0
   # The LibTorch of .venv has no more of CUDA than it names: pip would miss the rest.
