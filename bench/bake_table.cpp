@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include <nlohmann/json.hpp>
 
@@ -10,8 +11,11 @@
 #include "bench/begin_command.h"
 #include "infer/tool/tool_options.h"
 #include "lte/bake/bake.h"
+#include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/log.h"
 #include "lte/base/random.h"
+#include "lte/base/version.h"
 #include "lte/cli/numbers.h"
 #include "lte/scene/sampler.h"
 
@@ -84,6 +88,54 @@ void prepare(const BakeTableRequest& request, MeasuredScene* m) {
   }
 }
 
+std::vector<BakeRow> measure_all(const BakeTableRequest& request, MeasuredScene* m) {
+  std::vector<BakeRow> rows;
+  rows.push_back(product(m, "bake draft", 2, 0, request.seed));
+  rows.push_back(product(m, "bake preview", 4, 0, request.seed));
+  rows.push_back(product(m, "bake final", 16, 16, request.seed));
+  add_network(request.checkpoint, request.seed, m, &rows);
+  add_paths(*m, 16, 2, request.seed, &rows);
+  add_paths(*m, 64, 1, request.seed, &rows);
+  if (!request.cycles.empty()) add_cycles(*m, request.cycles, kCyclesSamples, request.seed, &rows);
+  return rows;
+}
+
+void print(const std::string& file, size_t texels, const std::vector<BakeRow>& rows) {
+  std::printf("%s: %zu texels\n%-20s %8s %8s %8s %7s %7s %7s %7s %7s\n", file.c_str(), texels, "",
+              "seconds", "CPU s", "relMSE", "bias", "median", "p95", "leak", "seam");
+  for (const BakeRow& row : rows) {
+    std::printf("%-20s %8.2f %8.2f %8.4f %6.1f%% %6.1f%% %6.1f%% %7.4f %6.2f%%\n", row.name.c_str(),
+                row.seconds.wall, row.seconds.processor, row.rel_mse, 100 * row.bias,
+                100 * row.median, 100 * row.p95, row.leak, 100 * row.seam);
+  }
+  std::fflush(stdout);
+}
+
+/// What the file of an earlier run has, if its settings are these; else no scene.
+nlohmann::json results_so_far(const BakeTableRequest& request, const std::string& path) {
+  const nlohmann::json settings = {{"texels", request.texels},
+                                   {"measured", request.measured},
+                                   {"reference_paths", request.reference_paths},
+                                   {"checkpoint", request.checkpoint},
+                                   {"cycles", !request.cycles.empty()},
+                                   {"seed", request.seed},
+                                   {"version", version()}};
+  if (request.resume && std::filesystem::exists(path)) {
+    const nlohmann::json there = nlohmann::json::parse(read_file(path), nullptr, false);
+    LTE_CHECK(there.is_object() && there.contains("settings") && there.contains("scenes"), path,
+              ": --resume: is no file of lte_bench bake");
+    if (there["settings"] == settings) return there;
+    log_warning(path, ": was measured with other settings, and is written anew");
+  }
+  return {{"schema_version", 1}, {"settings", settings}, {"scenes", nlohmann::json::array()}};
+}
+
+bool has_scene(const nlohmann::json& json, const std::string& file) {
+  const nlohmann::json& rows = json["scenes"];
+  return std::any_of(rows.begin(), rows.end(),
+                     [&](const nlohmann::json& row) { return row["scene"] == file; });
+}
+
 }  // namespace
 
 void add_bake_table_options(CLI::App& command, BakeTableRequest* request) {
@@ -101,6 +153,8 @@ void add_bake_table_options(CLI::App& command, BakeTableRequest* request) {
   command.add_option("--cycles", request->cycles,
                      "Also a row of Blender's Cycles: a Python that has bpy");
   command.add_option("--seed", request->seed, "Seed of all samples")->capture_default_str();
+  command.add_flag("--resume", request->resume,
+                   "Keep the scenes that the file of --json has, measured with the same flags");
   add_scene_flags(command, &request->loading);
 }
 
@@ -108,26 +162,16 @@ void run_bake_table(const BakeTableRequest& request, const CommonOptions& common
   CommandFiles files;
   for (const std::string& scene : request.scenes) files.reads("SCENE", scene);
   begin_command(common, &files);
-  nlohmann::json json = {{"schema_version", 1}, {"scenes", nlohmann::json::array()}};
+  LTE_CHECK(!request.resume || !common.json.empty(), "--resume goes with --json");
+  nlohmann::json json = results_so_far(request, common.json);
   for (const std::string& file : request.scenes) {
+    if (has_scene(json, file)) continue;
     const scene::Scene scene = load_scene(file, request.loading);
     MeasuredScene m(scene);
     prepare(request, &m);
-    std::vector<BakeRow> rows;
-    rows.push_back(product(&m, "bake draft", 2, 0, request.seed));
-    rows.push_back(product(&m, "bake preview", 4, 0, request.seed));
-    rows.push_back(product(&m, "bake final", 16, 16, request.seed));
-    add_network(request.checkpoint, request.seed, &m, &rows);
-    add_paths(m, 16, 2, request.seed, &rows);
-    add_paths(m, 64, 1, request.seed, &rows);
-    if (!request.cycles.empty()) add_cycles(m, request.cycles, kCyclesSamples, request.seed, &rows);
-    std::printf("%s: %zu texels\n%-20s %8s %8s %8s %7s %7s %7s %7s %7s\n", file.c_str(),
-                m.layout.texels.size(), "", "seconds", "CPU s", "relMSE", "bias", "median", "p95",
-                "leak", "seam");
+    const std::vector<BakeRow> rows = measure_all(request, &m);
+    print(file, m.layout.texels.size(), rows);
     for (const BakeRow& row : rows) {
-      std::printf("%-20s %8.2f %8.2f %8.4f %6.1f%% %6.1f%% %6.1f%% %7.4f %6.2f%%\n",
-                  row.name.c_str(), row.seconds.wall, row.seconds.processor, row.rel_mse,
-                  100 * row.bias, 100 * row.median, 100 * row.p95, row.leak, 100 * row.seam);
       json["scenes"].push_back({{"scene", file},
                                 {"method", row.name},
                                 {"texels", m.layout.texels.size()},
@@ -140,9 +184,8 @@ void run_bake_table(const BakeTableRequest& request, const CommonOptions& common
                                 {"leak", row.leak},
                                 {"seam", row.seam}});
     }
-    std::fflush(stdout);
+    if (!common.json.empty()) write_file(common.json, json.dump(2) + "\n");
   }
-  if (!common.json.empty()) write_file(common.json, json.dump(2) + "\n");
 }
 
 }  // namespace lte::bench

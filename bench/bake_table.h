@@ -18,12 +18,13 @@ struct BakeTableRequest {
   std::string checkpoint;  ///< of the row "network"; empty: the shipped model
   std::string cycles;      ///< a Python that has bpy; empty: no such row
   uint64_t seed = 1;
+  bool resume = false;  ///< keep the scenes that the file of --json has, of the same settings
   SceneFlags loading;
 };
 
 void add_bake_table_options(CLI::App& command, BakeTableRequest* request);
 
-/// Prints a table a scene, and writes JSON where it is asked for.
+/// Prints a table a scene, and writes JSON where it is asked for, whenever a scene has ended.
 void run_bake_table(const BakeTableRequest& request, const CommonOptions& common);
 
 }  // namespace lte::bench

@@ -6,6 +6,7 @@ usage: scripts/figures/benchmarks.py                      the page, from the fil
        scripts/figures/benchmarks.py --check              fails where the page says otherwise
        scripts/figures/benchmarks.py --list               names the tables and their commands
 
+  --resume         commands that can go on where an earlier run stopped
   --bin DIR        the programs (build/bin); lte_ops_microbench is built by the preset ci
   --work DIR       what the commands write and read again (out/benchmarks)
   --machine TEXT   the machine, where /proc/cpuinfo does not say enough
@@ -147,9 +148,11 @@ def measure(table, args):
                                                 label=command.label))
         names = {"work": str(args.work), "json": str(path)}
         words = [word.format(**names) for word in command.line.split()]
+        goes_on = args.resume and command.line.startswith("lte_bench bake ")
         if path.suffix == ".jsonl":
             shutil.rmtree(ROOT / path.parent, ignore_errors=True)  # a run goes into no old folder
-        run_command([words[0] if "/" in words[0] else str(args.bin / words[0]), *words[1:]])
+        run_command([words[0] if "/" in words[0] else str(args.bin / words[0]), *words[1:],
+                     *(["--resume"] if goes_on else [])])
         if command.label:
             results[command.label] = read_json(ROOT / path)
         shown.append(shlex.join(word for word in words if word not in ("--json", str(path))))
@@ -165,6 +168,7 @@ def parse_args():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--run", nargs="*", metavar="TABLE")
+    parser.add_argument("--resume", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "bin")
