@@ -112,7 +112,8 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
   LTE_CHECK(renderer->has_light(), request.scene,
             ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
   check_since(request);
-  check_memory(request, scene, runtime::MemoryLimit(request.tool.max_memory_mb));
+  if (request.since.empty())  // whose atlas was baked here before
+    check_memory(request, scene, runtime::MemoryLimit(request.tool.max_memory_mb));
   std::optional<KeptBake> old;
   bake::Relayout relayout;
   bake::Layout& layout = relayout.layout;

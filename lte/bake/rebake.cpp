@@ -161,7 +161,8 @@ LightState moved_over(const Layout& layout, const OldLight& old, const Kept& kep
   for (size_t i = 0; i < count; ++i) {
     if (kept.old_texel[i] == kNew) continue;
     const auto there = static_cast<size_t>(kept.old_texel[i]);
-    out.rate[i] = std::max<uint8_t>(1, old.state.rate[there]);
+    // Dark ones had none: light may have been let in.
+    if (old.state.rate[there] != 0) out.rate[i] = old.state.rate[there];
     if (kept.changed[i] != 0) continue;
     out.dark[i] = old.state.dark[there];
     put(old.state.samples, there, i, &out.samples);
