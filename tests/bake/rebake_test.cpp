@@ -149,6 +149,15 @@ TEST(Rebake, IsTheLightOfAWholeBake) {
   gather->prepare();
   options.seed = 2;
   LightState state = rebake(is, *gather, again.layout, options, old, kept);
+  int uncovered = 0;
+  for (size_t i = 0; i < again.layout.texels.size(); ++i) {
+    const int32_t there = kept.old_texel[i];
+    if (there == kNew || old.state.dark[static_cast<size_t>(there)] == 0 || state.dark[i] != 0)
+      continue;
+    ++uncovered;
+    EXPECT_GT(state.rate[i], 1);
+  }
+  EXPECT_GT(uncovered, 5);
   const TexelLight light =
       rebaked_light(bvh, gather->method(), again.layout, options, std::move(state), old, kept);
   Lightmap map = make_lightmap(bvh, again.layout, {{"light", light}}, {}, nullptr);
