@@ -24,9 +24,9 @@ class Inbox {
   /// Requests, other than those that a later one replaces, that may wait at a time.
   static constexpr size_t kMaxPending = 1024;
 
-  /// Takes a message. A camera replaces one that waits; so does a view, key by key. A page's
-  /// edit replaces its last one of the same light, material or object, unless something that depends
-  /// on the order, such as an undo or a pick, stands between them.
+  /// Takes a message. A camera replaces one that waits; so does a view, key by key. A page's edit
+  /// replaces its last one of the same light, material or object, unless something that depends on
+  /// the order, such as an undo or a pick, stands between them.
   /// @return  false, and nothing is kept, if too much waits already
   bool post(int client, int64_t number, const Request& request);
 

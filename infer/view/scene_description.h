@@ -50,7 +50,8 @@ struct SceneDescription {
   std::vector<Shown> outputs;  ///< what can be shown of it
 };
 
-/// The one of this `id` among lights, materials, objects or infos of a session; null if there is none.
+/// The one of this `id` among lights, materials, objects or infos of a session; null if there is
+/// none.
 template <typename Entries>
 auto find_entry(const Entries& entries, int id) -> const typename Entries::value_type* {
   for (const auto& entry : entries)
