@@ -177,6 +177,7 @@ std::string html_chart(const ChartStyle& style, const std::vector<ChartLine>& li
   x.open();
   y.open();
   std::vector<std::string> names;
+  names.reserve(drawn.size());
   for (const auto& line : drawn) names.push_back(line.first);
   const bool named = drawn.size() > 1 || !names.front().empty();
   const std::vector<LegendEntry> legend = legend_layout(names, style.width - kRight);

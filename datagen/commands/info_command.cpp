@@ -7,6 +7,7 @@
 #include "datagen/commands/info.h"
 #include "lte/base/check.h"
 #include "lte/cli/cli.h"
+#include "lte/data/dataset.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/placement/free_space.h"
 #include "lte/pathtrace/reach/lost_light.h"
