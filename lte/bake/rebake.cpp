@@ -224,7 +224,8 @@ LightState rebake(const render::TracedScene& scene, const render::Integrator& in
     const auto chart = static_cast<size_t>(texels.chart[i]);
     return out.back[chart] == before[chart];
   });
-  for (const uint32_t i : turned) put(TexelSamples(1, options.direct), 0, i, &fresh);
+  const TexelSamples nothing(1, options.direct);
+  for (const uint32_t i : turned) put(nothing, 0, i, &fresh);
   fresh.passes = {};
   for (int k = 0; k < 2; ++k)
     sampler.pass(integrator, turned, out.back, sampler.sampling(kAgainRays), k, &fresh);

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "lte/base/check.h"
-#include "lte/base/checksum.h"
-#include "lte/base/text.h"
+#include "lte/scene/fingerprint.h"
+#include "lte/scene/sampler.h"
 
 namespace lte::bake {
 namespace {
@@ -21,26 +21,7 @@ constexpr float kSameSize = 1e-3f;
 constexpr int kApart = 2;
 constexpr const char* kOtherwise = "; bake without --since";
 
-template <typename T>
-void add_all(Checksum* sum, const std::vector<T>& values) {
-  const uint64_t count = values.size();
-  sum->add(&count, sizeof count);
-  if (!values.empty()) sum->add(values.data(), sizeof(T) * values.size());
-}
-
-std::string fingerprint_of(const scene::Mesh& mesh) {
-  Checksum sum;
-  add_all(&sum, mesh.positions);
-  add_all(&sum, mesh.triangles);
-  for (const std::vector<Vec2>& uvs : mesh.uvs) add_all(&sum, uvs);
-  add_all(&sum, mesh.colors);
-  add_all(&sum, mesh.normals);
-  return formatted("%016llx", static_cast<unsigned long long>(sum.value()));
-}
-
-bool same_place(const Affine& a, const Affine& b) {
-  return std::memcmp(&a.m, &b.m, sizeof a.m) == 0;
-}
+bool same_place(const Affine& a, const Affine& b) { return a.m == b.m; }
 
 bool same_size(const Affine& a, const Affine& b) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -55,18 +36,19 @@ bool same_size(const Affine& a, const Affine& b) {
 /// Each instance's old one: that in the same place, else the first of its mesh and size.
 std::vector<int> find_old(const scene::Scene& scene, const OldAtlas& old) {
   const std::vector<std::string> now = mesh_fingerprints(scene);
+  std::map<std::string, std::vector<size_t>> free;  // old instances of a mesh
+  for (size_t j = 0; j < old.objects.size(); ++j) free[old.objects[j]].push_back(j);
   std::vector<int> out(now.size(), scene::kNone);
-  std::vector<uint8_t> taken(old.objects.size());
-  for (const bool in_place : {true, false}) {
+  for (const auto& same : {same_place, same_size}) {
     for (size_t i = 0; i < now.size(); ++i) {
-      for (size_t j = 0; j < old.objects.size() && out[i] == scene::kNone; ++j) {
-        const Affine& there = old.scene.instances[j].to_world;
-        const Affine& here = scene.instances[i].to_world;
-        if (taken[j] != 0 || now[i] != old.objects[j]) continue;
-        if (!(in_place ? same_place(here, there) : same_size(here, there))) continue;
-        taken[j] = 1;
-        out[i] = static_cast<int>(j);
-      }
+      if (out[i] != scene::kNone) continue;
+      std::vector<size_t>& there = free[now[i]];
+      const auto at = std::find_if(there.begin(), there.end(), [&](size_t j) {
+        return same(scene.instances[i].to_world, old.scene.instances[j].to_world);
+      });
+      if (at == there.end()) continue;
+      out[i] = static_cast<int>(*at);
+      there.erase(at);
     }
   }
   return out;
@@ -75,37 +57,38 @@ std::vector<int> find_old(const scene::Scene& scene, const OldAtlas& old) {
 /// Pixels that are free for new charts.
 class Room {
  public:
-  Room(int width, int height) : width_(width), height_(height), taken_(at(0, height, width)) {}
+  Room(int width, int height) : width_(width), height_(height), taken_(at(0, height)) {}
 
   /// With the space between charts.
   void take(int x, int y, int w, int h) {
+    const int end = std::min(width_, x + w + kApart);
     for (int py = std::max(0, y - kApart); py < std::min(height_, y + h + kApart); ++py)
-      for (int px = std::max(0, x - kApart); px < std::min(width_, x + w + kApart); ++px)
-        taken_[at(px, py, width_)] = 1;
+      for (int px = std::max(0, x - kApart); px < end; ++px) taken_[at(px, py)] = 1;
   }
-  /// The first place of a rectangle, row by row.
+
+  /// The first place of a rectangle, row by row. What is taken is jumped over.
   std::optional<std::pair<int, int>> find(int w, int h) const {
-    // Sums over the rectangle from the corner to each pixel.
-    const int stride = width_ + 1;
-    std::vector<int64_t> sum(at(0, height_ + 1, stride));
-    for (int y = 0; y < height_; ++y)
-      for (int x = 0; x < width_; ++x)
-        sum[at(x + 1, y + 1, stride)] = taken_[at(x, y, width_)] + sum[at(x + 1, y, stride)] +
-                                        sum[at(x, y + 1, stride)] - sum[at(x, y, stride)];
     for (int y = 0; y + h <= height_; ++y) {
-      for (int x = 0; x + w <= width_; ++x) {
-        if (sum[at(x + w, y + h, stride)] - sum[at(x + w, y, stride)] - sum[at(x, y + h, stride)] +
-                sum[at(x, y, stride)] ==
-            0)
-          return std::pair{x, y};
+      int x = 0;
+      while (x + w <= width_) {
+        const int obstacle = last_taken(x, y, w, h);
+        if (obstacle < x) return std::pair{x, y};
+        x = obstacle + 1;
       }
     }
     return std::nullopt;
   }
 
  private:
-  static size_t at(int x, int y, int stride) {
-    return static_cast<size_t>(y) * static_cast<size_t>(stride) + static_cast<size_t>(x);
+  size_t at(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+  }
+  /// The right-most taken column of the first row of a rectangle that has one; else -1.
+  int last_taken(int x, int y, int w, int h) const {
+    for (int py = y; py < y + h; ++py)
+      for (int px = x + w - 1; px >= x; --px)
+        if (taken_[at(px, py)] != 0) return px;
+    return -1;
   }
 
   int width_, height_;
@@ -128,20 +111,23 @@ struct ChartBox {
   int height() const { return static_cast<int>(y1) - top() + 1; }
 };
 
-scene::Scene with_instance(const scene::Scene& scene, size_t instance) {
-  scene::Scene out = scene;
+/// An instance alone, without material.
+scene::Scene only(const scene::Scene& scene, size_t instance) {
+  scene::Scene out;
+  out.name = scene.name;
   out.instances = {scene.instances[instance]};
+  out.meshes = {scene.meshes[static_cast<size_t>(out.instances[0].mesh)]};
+  out.instances[0].mesh = 0;
   return out;
 }
 
-/// Charts of one new instance, each in the place that it gets in the picture; uvs[1] in pixels.
-scene::Mesh new_mesh(const scene::Scene& scene, size_t instance, const OldAtlas& old, Room* room) {
-  const scene::Scene alone = with_instance(scene, instance);
+/// The mesh of a new instance, each chart in the place that it gets in the picture.
+scene::Mesh new_mesh(const scene::Scene& alone, const OldAtlas& old, Room* room) {
   AtlasOptions options;
   options.texels_per_metre = old.texels_per_metre;
   const Atlas one = make_atlas_of_charts(alone, options);
   scene::Mesh out = one.scene.meshes[0];
-  out.name = scene.meshes[static_cast<size_t>(alone.instances[0].mesh)].name;
+  out.name = alone.meshes[0].name;
   std::vector<ChartBox> boxes(static_cast<size_t>(one.charts));
   std::vector<int32_t> chart_of(out.positions.size(), scene::kNone);
   for (size_t t = 0; t < out.triangles.size(); ++t) {
@@ -170,25 +156,15 @@ scene::Mesh new_mesh(const scene::Scene& scene, size_t instance, const OldAtlas&
   for (size_t v = 0; v < chart_of.size(); ++v) {
     Vec2& uv = out.uvs[1][v];
     const Vec2 by = chart_of[v] == scene::kNone ? Vec2{} : shift[static_cast<size_t>(chart_of[v])];
-    uv = {uv.x * static_cast<float>(one.width) + by.x,
-          uv.y * static_cast<float>(one.height) + by.y};
+    const float x = uv.x * static_cast<float>(one.width) + by.x;
+    const float y = uv.y * static_cast<float>(one.height) + by.y;
+    uv = {std::clamp(x / static_cast<float>(old.width), 0.0f, 1.0f),
+          std::clamp(y / static_cast<float>(old.height), 0.0f, 1.0f)};
   }
   return out;
 }
 
-bool has_area(const scene::Scene& scene, size_t instance) {
-  const Affine& to_world = scene.instances[instance].to_world;
-  const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(scene.instances[instance].mesh)];
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = to_world.point(mesh.positions[t[0]]);
-    if (length(cross(to_world.point(mesh.positions[t[1]]) - a,
-                     to_world.point(mesh.positions[t[2]]) - a)) > 0)
-      return true;
-  }
-  return false;
-}
-
-/// Meshes of what is still there, with the old charts, which uvs[1] has in pixels.
+/// Meshes of what is still there, with the old charts.
 Atlas old_charts(const scene::Scene& scene, const OldAtlas& old, const std::vector<int>& of) {
   Atlas out;
   out.width = old.width;
@@ -245,14 +221,12 @@ Atlas keep_charts(const scene::Scene& scene, const OldAtlas& old, const std::vec
   for (size_t i = 0; i < of.size(); ++i) {
     if (of[i] != scene::kNone) continue;
     scene::Mesh& mesh = out.scene.meshes[i];
-    if (!has_area(scene, i)) {
+    const scene::Scene alone = only(scene, i);
+    if (scene::surface_area(alone) > 0) {
+      mesh = new_mesh(alone, old, &room);
+    } else {
       mesh.uvs[1].assign(mesh.positions.size(), {0, 0});
-      continue;
     }
-    mesh = new_mesh(scene, i, old, &room);
-    for (Vec2& uv : mesh.uvs[1])
-      uv = {std::clamp(uv.x / static_cast<float>(old.width), 0.0f, 1.0f),
-            std::clamp(uv.y / static_cast<float>(old.height), 0.0f, 1.0f)};
   }
   name_apart(of, &out.scene);
   return out;
@@ -262,7 +236,7 @@ Atlas keep_charts(const scene::Scene& scene, const OldAtlas& old, const std::vec
 
 std::vector<std::string> mesh_fingerprints(const scene::Scene& scene) {
   std::vector<std::string> of_mesh, out;
-  for (const scene::Mesh& mesh : scene.meshes) of_mesh.push_back(fingerprint_of(mesh));
+  for (const scene::Mesh& mesh : scene.meshes) of_mesh.push_back(scene::mesh_fingerprint(mesh));
   for (const scene::Instance& instance : scene.instances)
     out.push_back(of_mesh[static_cast<size_t>(instance.mesh)]);
   return out;

@@ -44,27 +44,38 @@ bool has_normal_map(const Scene& scene, const Mesh& mesh) {
          scene.materials[material].normal_texture.texture != kNone;
 }
 
+void add_shape(Checksum* sum, const Mesh& mesh) {
+  add_all(sum, mesh.positions);
+  add_all(sum, mesh.triangles);
+  for (const std::vector<Vec2>& uvs : mesh.uvs) add_all(sum, uvs);
+  add_all(sum, mesh.colors);
+}
+
+void add_shading(Checksum* sum, const Mesh& mesh) {
+  add_all(sum, mesh.normals);
+  for (const auto& tangent : mesh.tangents) {
+    add(sum, tangent.direction);
+    add(sum, tangent.sign);
+  }
+}
+
+std::string digits(const Checksum& sum) {
+  return formatted("%016llx", static_cast<unsigned long long>(sum.value()));
+}
+
 std::string geometry_of(const Scene& scene) {
   Checksum sum;
   for (const Mesh& mesh : scene.meshes) {
-    add_all(&sum, mesh.positions);
-    add_all(&sum, mesh.triangles);
-    for (const std::vector<Vec2>& uvs : mesh.uvs) add_all(&sum, uvs);
-    add_all(&sum, mesh.colors);
+    add_shape(&sum, mesh);
     // Without a normal map nothing is shaded by them.
-    const bool bent = has_normal_map(scene, mesh);
-    if (bent) add_all(&sum, mesh.normals);
-    for (size_t i = 0; bent && i < mesh.tangents.size(); ++i) {
-      add(&sum, mesh.tangents[i].direction);
-      add(&sum, mesh.tangents[i].sign);
-    }
+    if (has_normal_map(scene, mesh)) add_shading(&sum, mesh);
     add(&sum, mesh.material);
   }
   for (const Instance& instance : scene.instances) {
     add(&sum, instance.mesh);
     sum.add(&instance.to_world.m, sizeof instance.to_world.m);
   }
-  return formatted("%016llx", static_cast<unsigned long long>(sum.value()));
+  return digits(sum);
 }
 
 std::string materials_of(const Scene& scene) {
@@ -90,7 +101,7 @@ std::string materials_of(const Scene& scene) {
     add(&sum, texture->srgb());
     add_all(&sum, texture->texels());
   }
-  return formatted("%016llx", static_cast<unsigned long long>(sum.value()));
+  return digits(sum);
 }
 
 void add(Checksum* sum, const Environment& environment) {
@@ -121,10 +132,17 @@ std::string lights_of(const Scene& scene) {
   }
   add(&sum, scene.environment.has_value());
   if (scene.environment) add(&sum, *scene.environment);
-  return formatted("%016llx", static_cast<unsigned long long>(sum.value()));
+  return digits(sum);
 }
 
 }  // namespace
+
+std::string mesh_fingerprint(const Mesh& mesh) {
+  Checksum sum;
+  add_shape(&sum, mesh);
+  add_shading(&sum, mesh);
+  return digits(sum);
+}
 
 Fingerprint fingerprint(const Scene& scene) {
   return {geometry_of(scene), materials_of(scene), lights_of(scene)};

@@ -19,4 +19,7 @@ struct Fingerprint {
 
 Fingerprint fingerprint(const Scene& scene);
 
+/// Of a mesh alone, its material left out.
+std::string mesh_fingerprint(const Mesh& mesh);
+
 }  // namespace lte::scene
