@@ -5,6 +5,7 @@
 #include "lte/cli/assets.h"
 #include "lte/image/denoise.h"
 #include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/scene/load.h"
 
 namespace lte {
 
@@ -12,7 +13,7 @@ nlohmann::ordered_json about(const TorchTools& torch) {
   nlohmann::ordered_json out = {{"version", version()},
                                 {"instruction_set", ops::cpu_isa()},
                                 {"threads", num_threads()},
-                                {"scenes", {".gltf", ".glb", ".obj", ".pbrt", ".ply"}},
+                                {"scenes", scene::scene_formats()},
                                 {"pictures", {".png", ".exr"}}};
   out["models"] = nlohmann::ordered_json::object();
   for (const auto& [name, file] : shipped_models()) out["models"][name] = file.string();

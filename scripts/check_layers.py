@@ -161,7 +161,8 @@ ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]
 # tools are thin over.
 ALLOWED["program"] = ["lte/base", "lte/cli/*", "program/about"]
 # What it has, down to the instruction set of its kernels.
-ALLOWED["program/about"] = ["lte/base", "lte/cli", "lte/image", "lte/ops/cpu/kernels", "program"]
+ALLOWED["program/about"] = ["lte/base", "lte/cli", "lte/image", "lte/ops/cpu/kernels",
+                            "lte/scene/load", "program"]
 ALLOWED["python/src"] = INFER + INFER_SHARED + [
     "infer/probe", "infer/render", "infer/bake", "lte/bake", "lte/bake/formats", "datagen/dataset",
     "datagen/commands", "program", "program/about"]

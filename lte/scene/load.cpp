@@ -36,9 +36,7 @@ bool has_area(const Scene& scene) {
 
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) try {
   const std::string file = path.filename().string();
-  std::string known;
   for (const auto& [extension, import] : kFormats) {
-    known += concat(known.empty() ? "" : ", ", extension);
     if (!lower_case(file).ends_with(extension)) continue;
     SceneFiles files(path, limits);
     Scene scene = import(&files);
@@ -49,6 +47,8 @@ Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) tr
     return scene;
   }
   LTE_CHECK(!std::filesystem::is_directory(path), path.string(), ": is a directory");
+  std::string known;
+  for (const std::string& format : scene_formats()) known += (known.empty() ? "" : ", ") + format;
   throw Error(concat(path.string(), ": unknown scene format: expected one of ", known));
 } catch (const Error&) {
   throw;
@@ -56,6 +56,12 @@ Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) tr
   throw Error(concat(path.string(), ": out of memory while loading"));
 } catch (const std::exception& error) {  // nlohmann's own, which name no file
   throw Error(concat(path.string(), ": not a valid scene: ", error.what()));
+}
+
+std::vector<std::string> scene_formats() {
+  std::vector<std::string> out;
+  for (const auto& format : kFormats) out.emplace_back(format.extension);
+  return out;
 }
 
 }  // namespace lte::scene

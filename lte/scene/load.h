@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "lte/scene/import/limits.h"
 #include "lte/scene/scene.h"
@@ -23,5 +25,8 @@ namespace lte::scene {
 /// lte lacks, no triangles at all. OutsideFolder, OverLimit (lte/scene/import/limit_error.h): more
 /// than `limits` allow.
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits = {});
+
+/// The extensions that load_scene() knows: ".gltf", ...
+std::vector<std::string> scene_formats();
 
 }  // namespace lte::scene
