@@ -62,8 +62,8 @@ void add_light_options(CLI::App& app, RenderRequest* r) {
   CLI::Option* const quality =
       app.add_option("--quality", r->quality,
                      "How long it takes: draft (one pass of 4 rays a pixel), preview (one of 16, 4 "
-                     "in large "
-                     "pictures) or final (16 passes, with paths that correct gathered light)")
+                     "in large pictures) or final (16 passes, with paths that correct gathered "
+                     "light)")
           ->check(CLI::IsMember({"draft", "preview", "final"}))
           ->capture_default_str();
   CLI::Option* const time =
