@@ -277,14 +277,17 @@ TexelLight rebaked_light(const pathtrace::Bvh& bvh, render::Method method, const
 void restore_kept(const Layout& layout, const OldLight& old, const Kept& kept, Lightmap* map) {
   std::vector<uint8_t> fresh(map->pixels()), texel(map->pixels());
   for (size_t i = 0; i < layout.texels.size(); ++i) {
-    const auto pixel = static_cast<int>(layout.texels.pixel[i]);
-    texel[static_cast<size_t>(pixel)] = 1;
+    const size_t pixel = layout.texels.pixel[i];
+    texel[pixel] = 1;
     if (kept.changed[i] == 0) continue;
-    fresh[static_cast<size_t>(pixel)] = 1;
-    const int x = pixel % map->width, y = pixel / map->width;
-    for (int py = std::max(0, y - kDilation); py <= std::min(map->height - 1, y + kDilation); ++py)
-      for (int px = std::max(0, x - kDilation); px <= std::min(map->width - 1, x + kDilation); ++px)
-        fresh[static_cast<size_t>(py * map->width + px)] |= 2;
+    fresh[pixel] = 1;
+    const int x = static_cast<int>(pixel) % map->width, y = static_cast<int>(pixel) / map->width;
+    const int first = std::max(0, x - kDilation), last = std::min(map->width - 1, x + kDilation);
+    for (int py = std::max(0, y - kDilation); py <= std::min(map->height - 1, y + kDilation);
+         ++py) {
+      uint8_t* row = &fresh[static_cast<size_t>(py) * static_cast<size_t>(map->width)];
+      for (int px = first; px <= last; ++px) row[px] |= 2;
+    }
   }
   const auto filled = static_cast<uint8_t>(Texel::Filled);
   for (size_t pixel = 0; pixel < fresh.size(); ++pixel) {
