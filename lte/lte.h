@@ -62,7 +62,6 @@
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/solve_light.h"
 #include "lte/ops/submanifold_conv.h"
-#include "lte/runtime/attention.h"
 #include "lte/runtime/embedding.h"
 #include "lte/runtime/embedding_file.h"
 #endif

@@ -18,6 +18,7 @@
 #include "bench/begin_command.h"
 #include "bench/pareto/pareto.h"
 #include "experiments/attention/closest_point.h"
+#include "experiments/attention/scene_attention.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
@@ -29,13 +30,10 @@
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
 #include "lte/pathtrace/gbuffer.h"
-#include "lte/runtime/attention.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::experiments {
 namespace {
-
-using runtime::SceneAttention;
 
 const std::string kDecoder = "decoder";
 constexpr float kReach = 0.05f;     // of the scene's widest side, from --point to a surface
@@ -89,7 +87,7 @@ scene::Surface point_of(const Request& request, const pathtrace::Bvh& bvh, const
 [[noreturn]] void refuse_block(const SceneAttention& inside, const std::string& name) {
   std::string known =
       concat(kDecoder, ", ", kDecoder, ".0 to ", kDecoder, '.', inside.decoder_layers() - 1);
-  for (const runtime::AttentionBlock& block : inside.blocks()) known += ", " + block.name;
+  for (const AttentionBlock& block : inside.blocks()) known += ", " + block.name;
   throw Error(concat("--block ", name, ": the model has ", known));
 }
 
@@ -98,7 +96,7 @@ std::vector<float> decoder_values(const SceneAttention& inside, const scene::Sur
                                   const Request& request) {
   LTE_CHECK(request.head == SceneAttention::kAllHeads, "--head ", request.head,
             ": the decoder has none, but a weight a channel, of which the mean is shown");
-  const runtime::LatentsRead read = inside.read(at.position, at.normal, at.albedo);
+  const LatentsRead read = inside.read(at.position, at.normal, at.albedo);
   const std::vector<float>* shares = &read.share;
   if (request.block != kDecoder) {
     const char* const last = request.block.data() + request.block.size();
@@ -120,7 +118,7 @@ std::vector<float> values_of(const SceneAttention& inside, const scene::Surface&
                              const Request& request) {
   if (request.block == kDecoder || request.block.starts_with(kDecoder + '.'))
     return decoder_values(inside, at, request);
-  const std::vector<runtime::AttentionBlock>& blocks = inside.blocks();
+  const std::vector<AttentionBlock>& blocks = inside.blocks();
   for (size_t b = 0; b < blocks.size(); ++b) {
     if (blocks[b].name != request.block) continue;
     LTE_CHECK(request.head < blocks[b].heads, "--head ", request.head, ": block ", blocks[b].name,

@@ -1,4 +1,4 @@
-#include "lte/runtime/attention.h"
+#include "experiments/attention/scene_attention.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,12 @@
 #include "lte/runtime/torch_parts.h"
 #include "lte/tensor/functions.h"
 
-namespace lte::runtime {
+namespace lte::experiments {
 namespace {
+
+using runtime::borrow;
+using runtime::SceneEmbedding;
+using runtime::TorchParts;
 
 /// Latents around a point that say what is there.
 constexpr int64_t kAround = 4;
@@ -93,7 +97,7 @@ double SceneAttention::entropy(size_t block) const {
 LatentsRead SceneAttention::read(const Vec3& position, const Vec3& normal,
                                  const Rgb& albedo) const {
   const SceneEmbedding& embedding = *parts_->embedding;
-  const c10::Device device = torch_device(embedding.network().device());
+  const c10::Device device = runtime::torch_device(embedding.network().device());
   const nn::QuerySet query = {borrow(std::span(&position, 1)).to(device),
                               borrow(std::span(&normal, 1)).to(device),
                               borrow(std::span(&albedo, 1)).to(device)};
@@ -152,4 +156,4 @@ std::vector<float> SceneAttention::interpolate(std::span<const float> values,
   return out;
 }
 
-}  // namespace lte::runtime
+}  // namespace lte::experiments

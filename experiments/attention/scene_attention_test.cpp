@@ -1,5 +1,5 @@
 // Looking inside an embedding, against sums over all latents.
-#include "lte/runtime/attention.h"
+#include "experiments/attention/scene_attention.h"
 
 #include <cmath>
 #include <numeric>
@@ -15,9 +15,13 @@
 #include "tests/nn/support.h"
 #include "tests/runtime/spans.h"
 
-namespace lte::runtime {
+namespace lte::experiments {
 namespace {
 
+using runtime::EncodeOptions;
+using runtime::Network;
+using runtime::QueryPoints;
+using runtime::SceneEmbedding;
 using test::span;
 
 /// A box of random points under random weights.
@@ -148,4 +152,4 @@ TEST_F(Inside, ThePointsLatentFacesAsThePointDoes) {
 }
 
 }  // namespace
-}  // namespace lte::runtime
+}  // namespace lte::experiments

@@ -10,7 +10,7 @@
 
 #include "lte/runtime/embedding.h"
 
-namespace lte::runtime {
+namespace lte::experiments {
 
 /// A block of the encoder.
 struct AttentionBlock {
@@ -29,8 +29,8 @@ struct LatentsRead {
 /// Reads a recorded embedding, which it holds. Any number of threads may ask at the same time.
 class SceneAttention {
  public:
-  /// @throws lte::Error for an embedding made without EncodeOptions::record_attention
-  explicit SceneAttention(std::shared_ptr<const SceneEmbedding> embedding);
+  /// @throws lte::Error for an embedding made without runtime::EncodeOptions::record_attention
+  explicit SceneAttention(std::shared_ptr<const runtime::SceneEmbedding> embedding);
   SceneAttention(SceneAttention&&) noexcept;
   SceneAttention& operator=(SceneAttention&&) noexcept;
   ~SceneAttention();
@@ -49,7 +49,7 @@ class SceneAttention {
   /// points of a patch.
   double entropy(size_t block) const;
 
-  /// @throws lte::Error as SceneEmbedding::decode()
+  /// @throws lte::Error as runtime::SceneEmbedding::decode()
   LatentsRead read(const Vec3& position, const Vec3& normal, const Rgb& albedo) const;
 
   /// How much of what a latent took each latent gave, as a multiple of an even share: an entry a
@@ -70,4 +70,4 @@ class SceneAttention {
   std::unique_ptr<const Parts> parts_;
 };
 
-}  // namespace lte::runtime
+}  // namespace lte::experiments
