@@ -122,8 +122,8 @@ ParetoChart measure_chart(const ParetoOptions& options, const std::vector<Method
                                static_cast<float>(scene.width) / static_cast<float>(scene.height)),
                   {}};
   for (size_t v = 0; v < subject.cameras.size(); ++v) {
-    subject.references.push_back(trace_reference(scene, subject.cameras[v],
-                                                 concat(name, "-view", v), options.reference_spp));
+    subject.references.push_back(find_reference(scene, subject.cameras[v], concat(name, "-view", v),
+                                                options.reference_spp, options.references));
     const double share = 1 / static_cast<double>(subject.cameras.size());
     add_share(share, subject.references.back().whole_noise, &chart.whole_noise);
     add_share(share, subject.references.back().indirect_noise, &chart.indirect_noise);

@@ -30,6 +30,7 @@ struct ParetoOptions {
   int max_depth = 5;
   uint64_t seed = 0;
   int reference_spp = 2048;  ///< paths a pixel, rounded up to an even number
+  std::string references;    ///< folder in which references are kept; empty: nowhere
 };
 
 struct ParetoRow {

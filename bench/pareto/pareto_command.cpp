@@ -40,6 +40,8 @@ void add_pareto_options(CLI::App& command, ParetoRequest* request) {
   command.add_option("--reference-spp", options.reference_spp, "Paths a pixel of the reference")
       ->check(CLI::Range(2, 1 << 24))
       ->capture_default_str();
+  command.add_option("--references", options.references,
+                     "Folder in which references are kept from run to run");
   add_scene_flags(command, &options.loading);
 }
 
@@ -51,6 +53,7 @@ void run_pareto(const ParetoRequest& request, int repeats, const CommonOptions& 
   CommandFiles files;
   for (const std::string& scene : options.scenes) files.reads("SCENE", scene);
   files.reads("--checkpoint", options.checkpoint);
+  files.writes("--references", options.references);
   begin_command(common, &files);
   const std::vector<ParetoChart> charts = measure_pareto(options);
   std::fputs(pareto_table(charts).c_str(), stdout);

@@ -16,13 +16,14 @@ ReferenceNoise noise_of(const image::Image& either, const image::Image& mean) {
 
 }  // namespace
 
-Reference trace_reference(const MethodScene& scene, const scene::Camera& camera,
-                          const std::string& name, int spp) {
+Reference find_reference(const MethodScene& scene, const scene::Camera& camera,
+                         const std::string& name, int spp, const std::filesystem::path& folder) {
   PairSettings wanted;
   wanted.width = scene.width;
   wanted.height = scene.height;
   wanted.paths = (spp + 1) / 2;
   wanted.max_depth = scene.max_depth;
+  wanted.folder = folder;
   const auto [a, b] = find_reference_pair(&scene.renderer, camera, name, wanted);
   Reference out{mean_of_pair(a.whole, b.whole), mean_of_pair(a.indirect, b.indirect), {}, {}};
   out.whole_noise = noise_of(a.whole, out.whole);

@@ -23,6 +23,8 @@ constexpr double kOidnBytes = 600, kMaxOidnMib = 768;
 /// A picture in a given time is corrected by paths, which takes denoising twice more, where it may
 /// take so many times as long as denoising once.
 constexpr double kCorrectedFrom = 12;
+/// Of a given time, what the better denoiser may take; else the quick one is taken.
+constexpr double kDenoisedIn = 1.0 / 3;
 /// A side of the picture that a denoiser is timed by.
 constexpr int kTimedSide = 128;
 
@@ -112,14 +114,13 @@ std::unique_ptr<render::Integrator> Renderer::integrator(const RenderSettings& s
 }
 
 /// What denoising such a picture will take, by what it takes for a small one.
-double Renderer::denoising_seconds(const RenderSettings& settings) {
+double Renderer::denoising_seconds(int width, int height, image::OidnQuality quality) {
   const image::Image gray(kTimedSide, kTimedSide, 3);
   image::Image ones = gray;
   for (float& value : ones.pixels) value = 1;
   const Timer timer;
-  denoiser_->get().denoise({&ones, &ones, &gray, nullptr, nullptr}, settings.denoise_quality);
-  return timer.seconds() * (double{1} * settings.width * settings.height) /
-         (double{1} * kTimedSide * kTimedSide);
+  denoiser_->get().denoise({&ones, &ones, &gray, nullptr, nullptr}, quality);
+  return timer.seconds() * (double{1} * width * height) / (double{1} * kTimedSide * kTimedSide);
 }
 
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
@@ -146,8 +147,13 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
   render::Until until;
   until.passes = render::is_geometry(settings.output) ? 1 : settings.passes;
   until.seconds = settings.seconds;
+  image::OidnQuality quality = settings.denoise_quality;
   if (denoises && std::isfinite(until.seconds)) {
-    const double once = denoising_seconds(settings);
+    double once = denoising_seconds(settings.width, settings.height, quality);
+    if (once > kDenoisedIn * until.seconds) {
+      quality = image::OidnQuality::Fast;
+      once = denoising_seconds(settings.width, settings.height, quality);
+    }
     what.correct = what.correct && until.seconds >= kCorrectedFrom * once;
     until.seconds -= (what.correct ? 3 : 1) * once;  // both halves of the paths, too
   }
@@ -161,8 +167,7 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
   if (settings.stop && settings.stop()) throw PictureStopped();
   timer.restart();
   const image::Denoiser* denoiser = denoises ? &denoiser_->get() : nullptr;
-  Frame frame = render::make_picture(
-      film, {settings.output, denoiser, settings.denoise_quality, settings.layers});
+  Frame frame = render::make_picture(film, {settings.output, denoiser, quality, settings.layers});
   seconds_.hits = spent.hits;
   seconds_.irradiance = spent.light;
   seconds_.paths = spent.paths;

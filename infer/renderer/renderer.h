@@ -76,7 +76,7 @@ class Renderer {
 
  private:
   std::unique_ptr<render::Integrator> integrator(const RenderSettings& settings) const;
-  double denoising_seconds(const RenderSettings& settings);
+  double denoising_seconds(int width, int height, image::OidnQuality quality);
 
   std::shared_ptr<const pathtrace::Bvh> held_bvh_;
   std::shared_ptr<const pathtrace::Lights> held_lights_;

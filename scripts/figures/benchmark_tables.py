@@ -164,7 +164,7 @@ def training(label, flags):
 
 def pareto(label, scenes, size, methods, model=None):
     line = (f"lte_bench pareto {scenes} --size {size} --views 1 --repeats 1 --reference-spp 512 "
-            f"--methods {methods} --json {{json}}")
+            f"--references {{work}}/references --methods {methods} --json {{json}}")
     return Command(line + (f" --checkpoint {MODELS}/{model}.safetensors" if model else ""), label)
 
 

@@ -126,6 +126,27 @@ TEST_F(Pareto, EqualSeedsGiveEqualPictures) {
   EXPECT_NE(pictures(), first);
 }
 
+TEST_F(Pareto, KeptReferencesAreReadAgain) {
+  const std::vector<std::string> words = {"room.glb", "--size",          "16x12",  "--methods",
+                                          "paths-1",  "--views",         "1",      "--repeats",
+                                          "1",        "--reference-spp", "8",      "--references",
+                                          "kept",     "--json",          "p.json", "--quiet"};
+  const auto error = [&] {
+    EXPECT_EQ(run(words).code, 0);
+    return nlohmann::json::parse(read_file("p.json"))["charts"][0]["rows"][0]["whole"]["mse"];
+  };
+  const nlohmann::json first = error();
+  std::vector<std::filesystem::path> kept;
+  for (const auto& entry : std::filesystem::directory_iterator("kept"))
+    kept.push_back(entry.path());
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(error(), first);
+  write_file(kept[0], "no picture");
+  const test::CommandOutcome done = run(words);
+  EXPECT_EQ(done.code, 1);
+  EXPECT_THAT(done.err, HasSubstr(kept[0].filename().string()));
+}
+
 TEST_F(Pareto, CommandWritesData) {
   const test::CommandOutcome done =
       run({"room.glb", "--checkpoint", "tiny.safetensors", "--size", "16x12,20x16", "--methods",
