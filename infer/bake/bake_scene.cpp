@@ -24,10 +24,23 @@ namespace {
 
 /// Bytes a texel beside those of its layers: fragments, places, neighbours, samples and means.
 constexpr double kTexelBytes = 600, kLayerBytes = 36;
+/// Bytes a vertex and layer of vertex-colors: as fitted, of meshes, and in the file.
+constexpr double kVertexBytes = 36;
 /// A light map less even than that in an EXR: of pixels, how many are texels.
 constexpr double kAtlasUse = 0.7;
 /// Flags that change no sample.
 const std::set<std::string> kNoMatter = {"format", "three", "probes", "shard", "keep-samples"};
+
+/// Vertices of the light of vertex-colors at least; 0 for other formats.
+double lit_vertices(const BakeRequest& request, const scene::Scene& scene) {
+  double out = 0;
+  if (request.format != "vertex-colors") return out;
+  for (const scene::Instance& instance : scene.instances) {
+    const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
+    out += static_cast<double>(mesh.positions.size());
+  }
+  return out;
+}
 
 /// @throws runtime::NotEnoughMemory before any of it is taken
 void check_memory(const BakeRequest& request, const scene::Scene& scene,
@@ -38,8 +51,10 @@ void check_memory(const BakeRequest& request, const scene::Scene& scene,
           : scene::surface_area(scene) * std::pow(request.atlas.texels_per_metre, 2);
   const double layers =
       request.by_light ? static_cast<double>(std::max<size_t>(1, scene.light_groups.size())) : 1;
+  const double bytes = texels / kAtlasUse * (kTexelBytes + layers * kLayerBytes) +
+                       lit_vertices(request, scene) * layers * kVertexBytes;
   memory.check_ahead(
-      texels / kAtlasUse * (kTexelBytes + layers * kLayerBytes) / (1 << 20),
+      bytes / (1 << 20),
       concat("a light map of about ", static_cast<int64_t>(texels), " texels and ", layers,
              layers == 1 ? " layer" : " layers"),
       request.by_light

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lte/bake/charts.h"
+#include "lte/bake/unique_name.h"
 #include "lte/base/check.h"
 #include "lte/scene/triangle.h"
 
@@ -167,10 +168,7 @@ void place(const scene::Scene& source, Atlas* atlas) {
     Placement out;
     out.source_mesh = source.instances[i].mesh;
     out.node = out.mesh = static_cast<int>(i);
-    const std::string base = mesh.name.empty() ? "mesh" : mesh.name;
-    out.name = base;
-    for (int k = 2; !names.insert(out.name).second; ++k) out.name = concat(base, "_", k);
-    mesh.name = out.name;
+    out.name = mesh.name = unique_name(mesh.name.empty() ? "mesh" : mesh.name, &names);
     out.min = {1, 1};
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
       if (atlas->chart[i][t] == scene::kNone) continue;

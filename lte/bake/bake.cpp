@@ -1,9 +1,12 @@
 #include "lte/bake/bake.h"
 
 #include <cmath>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "lte/bake/seams.h"
+#include "lte/bake/unique_name.h"
 #include "lte/base/check.h"
 #include "lte/base/version.h"
 #include "lte/scene/metal.h"
@@ -42,10 +45,11 @@ Lightmap make_lightmap(const pathtrace::Bvh& bvh, Layout layout, std::vector<Bak
   out.height = layout.atlas.height;
   out.mask = make_mask(bvh, layout.atlas, layout.texels, all);
   const std::vector<SeamPlace> seams = find_seams(layout.atlas, out.mask);
-  for (BakedLayer& layer : layers) {
+  std::set<std::string> names;
+  for (const BakedLayer& layer : layers) {
     std::vector<float> picture = paint(layout.atlas, layout.texels, layer.light, out.mask);
     join_seams(seams, out.mask, &picture);
-    out.layers.push_back({std::move(layer.name), std::move(picture)});
+    out.layers.push_back({unique_name(layer.name, &names), std::move(picture)});
   }
   if (seam_p99 != nullptr) *seam_p99 = seam_difference(seams, out.total(), 0.99);
   out.provenance = std::move(provenance);

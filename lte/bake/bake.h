@@ -21,7 +21,8 @@ struct BakedLayer {
   TexelLight light;
 };
 
-/// Puts layers of one layout into a light map. A texel is dark where all layers are.
+/// Puts layers of one layout into a light map. A texel is dark where all layers are. Where names of
+/// layers are alike, all but the first get a number.
 /// @param bvh       of the scene
 /// @param seam_p99  gets the difference across joined seams that a hundredth exceeds, relative to
 ///                  the light there; may be null

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
+#include "lte/bake/unique_name.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/image/exr.h"
@@ -21,10 +23,16 @@ image::Image picture(const Lightmap& map, const std::vector<float>& values) {
   return out;
 }
 
-/// A layer's name as channels of an EXR may have it: "." parts layers there.
-std::string channel_name(std::string name) {
-  std::replace(name.begin(), name.end(), '.', '_');
-  return name.empty() ? "light" : name;
+/// Names of layers as channels of an EXR may have them: "." parts layers there.
+std::vector<std::string> channel_names(const Lightmap& map) {
+  std::vector<std::string> out;
+  std::set<std::string> taken;
+  for (const Layer& layer : map.layers) {
+    std::string name = layer.name.empty() ? "light" : layer.name;
+    std::replace(name.begin(), name.end(), '.', '_');
+    out.push_back(unique_name(name, &taken));
+  }
+  return out;
 }
 
 }  // namespace
@@ -53,15 +61,12 @@ std::vector<float> Lightmap::total() const {
 
 void write_lightmap_exr(const std::filesystem::path& path, const Lightmap& map) {
   std::vector<image::Image> pictures{picture(map, map.total())};
-  std::vector<std::string> names{""};
-  if (map.layers.size() > 1) {
-    for (const Layer& layer : map.layers) {
-      pictures.push_back(picture(map, layer.irradiance));
-      names.push_back(channel_name(layer.name));
-    }
-  }
+  const std::vector<std::string> names = channel_names(map);
+  if (names.size() > 1)
+    for (const Layer& layer : map.layers) pictures.push_back(picture(map, layer.irradiance));
   std::vector<image::Layer> layers;
-  for (size_t i = 0; i < pictures.size(); ++i) layers.push_back({names[i], &pictures[i]});
+  for (size_t i = 0; i < pictures.size(); ++i)
+    layers.push_back({i == 0 ? "" : names[i - 1], &pictures[i]});
   image::write_exr(path, layers, {{"lte.units", "irradiance E, W/m^2"}}, image::ExrChannels::Half);
 }
 
@@ -78,10 +83,10 @@ void write_lightmap_json(const std::filesystem::path& path, const Lightmap& map,
       {"uv", "TEXCOORD_1, v down, row 0 is the top"},
       {"texels",
        {{"outside", counts[0]}, {"lit", counts[1]}, {"filled", counts[2]}, {"dark", counts[3]}}}});
-  for (const Layer& layer : map.layers)
+  const std::vector<std::string> names = channel_names(map);
+  for (size_t l = 0; l < names.size(); ++l)
     json["layers"].push_back(
-        {{"name", layer.name},
-         {"channels", map.layers.size() > 1 ? channel_name(layer.name) + ".R" : "R"}});
+        {{"name", map.layers[l].name}, {"channels", names.size() > 1 ? names[l] + ".R" : "R"}});
   for (const Placement& place : map.placements) {
     json["rectangles"].push_back({{"name", place.name},
                                   {"node", place.node},

@@ -102,37 +102,50 @@ uint32_t RefinedScene::middle_vertex(uint32_t instance, uint32_t a, uint32_t b) 
   return found->second;
 }
 
-void RefinedScene::halve(uint32_t leaf) {
+void RefinedScene::halve(uint32_t leaf, std::vector<Halving>* done) {
   Leaf first = leaves_[leaf], second = first;
   const size_t k = longest_edge(first), next = (k + 1) % 3;
   const uint32_t vertex = middle_vertex(first.instance, first.vertex[k], first.vertex[next]);
-  const auto [found, is_new] =
-      middle_.try_emplace(edge(first, k), static_cast<uint32_t>(points_.size()));
+  const uint64_t halved = edge(first, k);
+  const auto [found, is_new] = middle_.try_emplace(halved, static_cast<uint32_t>(points_.size()));
   if (is_new) {
     points_.push_back(scene_.instances[first.instance].to_world.point(
         scene_.meshes[first.instance].positions[vertex]));
   }
+  done->push_back({leaf, first, halved, is_new});
   first.vertex[next] = second.vertex[k] = vertex;
   first.point[next] = second.point[k] = found->second;
   leaves_[leaf] = first;
   leaves_.push_back(second);
 }
 
-void RefinedScene::halve(std::span<const uint32_t> which) {
-  for (const uint32_t leaf : which) halve(leaf);
+/// All but the vertices of meshes, which the next halving of the same edges finds again.
+void RefinedScene::take_back(std::vector<Halving> done) {
+  for (; !done.empty(); done.pop_back()) {
+    const Halving& last = done.back();
+    leaves_[last.number] = last.leaf;
+    leaves_.pop_back();
+    if (!last.is_new) continue;
+    middle_.erase(last.edge);
+    points_.pop_back();
+  }
+}
+
+bool RefinedScene::halve(std::span<const uint32_t> which, size_t most) {
+  std::vector<Halving> done;
+  for (const uint32_t leaf : which) halve(leaf, &done);
   const auto hangs = [&](const Leaf& leaf) {
     return middle_.contains(edge(leaf, 0)) || middle_.contains(edge(leaf, 1)) ||
            middle_.contains(edge(leaf, 2));
   };
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (uint32_t i = 0; i < leaves_.size(); ++i) {
-      while (hangs(leaves_[i])) {
-        halve(i);
-        changed = true;
-      }
-    }
+  for (size_t before = 0; before != leaves_.size() && leaves_.size() <= most;) {
+    before = leaves_.size();
+    for (uint32_t i = 0; i < leaves_.size() && leaves_.size() <= most; ++i)
+      while (hangs(leaves_[i])) halve(i, &done);
   }
+  if (leaves_.size() <= most) return true;
+  take_back(std::move(done));
+  return false;
 }
 
 }  // namespace lte::bake

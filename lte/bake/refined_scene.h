@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -28,16 +29,27 @@ class RefinedScene {
   explicit RefinedScene(scene::Scene scene);
 
   const std::vector<Leaf>& leaves() const { return leaves_; }
-  /// Meshes have the vertices of leaves, and the triangles that they came with.
+  /// Meshes have the vertices of leaves, may have more, and the triangles that they came with.
   const scene::Scene& scene() const { return scene_; }
-  /// Halves some leaves, and others so that edges fit. Numbers of leaves change.
-  void halve(std::span<const uint32_t> which);
+  /// Halves some leaves, and others so that edges fit; numbers of leaves change. Where there would
+  /// be more than `most`, nothing does.
+  /// @return  whether they were halved
+  bool halve(std::span<const uint32_t> which, size_t most = std::numeric_limits<size_t>::max());
 
  private:
+  /// What takes a halving back.
+  struct Halving {
+    uint32_t number = 0;
+    Leaf leaf;          ///< as it was
+    uint64_t edge = 0;  ///< that was halved
+    bool is_new = false;
+  };
+
   uint64_t edge(const Leaf& leaf, size_t k) const;
   size_t longest_edge(const Leaf& leaf) const;
   uint32_t middle_vertex(uint32_t instance, uint32_t a, uint32_t b);
-  void halve(uint32_t leaf);
+  void halve(uint32_t leaf, std::vector<Halving>* done);
+  void take_back(std::vector<Halving> done);
 
   scene::Scene scene_;
   std::vector<Leaf> leaves_;

@@ -58,6 +58,24 @@ uint32_t root(std::vector<uint32_t>* parent, uint32_t i) {
   return i;
 }
 
+struct System {
+  const Knots& knots;
+  std::vector<Moments> leaf;
+  std::vector<double> diagonal;
+
+  std::vector<double> times(const std::vector<double>& x) const {
+    std::vector<double> out(x.size());
+    for (size_t t = 0; t < leaf.size(); ++t) {
+      const std::array<uint32_t, 3>& knot = knots.of_leaf[t];
+      for (size_t i = 0; i < 3; ++i)
+        for (size_t j = 0; j < 3; ++j) out[knot[i]] += leaf[t].mass[i][j] * x[knot[j]];
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
 Knots find_knots(const std::vector<Leaf>& leaves) {
   struct Side {
     uint64_t key;
@@ -100,33 +118,15 @@ Knots find_knots(const std::vector<Leaf>& leaves) {
   return out;
 }
 
-struct System {
-  const Knots& knots;
-  std::vector<Moments> leaf;
-  std::vector<double> diagonal;
-
-  std::vector<double> times(const std::vector<double>& x) const {
-    std::vector<double> out(x.size());
-    for (size_t t = 0; t < leaf.size(); ++t) {
-      const std::array<uint32_t, 3>& knot = knots.of_leaf[t];
-      for (size_t i = 0; i < 3; ++i)
-        for (size_t j = 0; j < 3; ++j) out[knot[i]] += leaf[t].mass[i][j] * x[knot[j]];
-    }
-    return out;
-  }
-};
-
-}  // namespace
-
-Fit fit(const Picture& picture, const RefinedScene& refined) {
+Fit fit(const Picture& picture, const RefinedScene& refined, const Knots& knots) {
   const std::vector<Leaf>& leaves = refined.leaves();
-  Fit out{find_knots(leaves), {}, std::vector<double>(leaves.size())};
-  System system{out.knots, std::vector<Moments>(leaves.size()), {}};
+  Fit out{{}, std::vector<double>(leaves.size())};
+  System system{knots, std::vector<Moments>(leaves.size()), {}};
   parallel_for(static_cast<int64_t>(leaves.size()), kGrain, [&](int64_t begin, int64_t end) {
     for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t) {
       const LeafSamples samples(picture, refined.scene().meshes[leaves[t].instance], leaves[t]);
       system.leaf[t] = moments_of(picture, samples);
-      out.level[t] = std::max(system.leaf[t].mean, picture.darkest());
+      out.mean[t] = system.leaf[t].mean;
       const double together = kTogether * std::max(samples.area, kLeastArea) /
                               std::pow(system.leaf[t].mean + picture.darkest(), 2);
       for (size_t i = 0; i < 3; ++i)
@@ -134,14 +134,14 @@ Fit fit(const Picture& picture, const RefinedScene& refined) {
           system.leaf[t].mass[i][j] += i == j ? 2 * together : -together;
     }
   });
-  const size_t count = out.knots.count;
+  const size_t count = knots.count;
   system.diagonal.assign(count, 0);
   std::array<std::vector<double>, 3> right, x;
   std::vector<Rgb> low(count, Rgb{INFINITY, INFINITY, INFINITY}), high(count);
   for (size_t c = 0; c < 3; ++c) right[c].assign(count, 0);
   for (size_t t = 0; t < leaves.size(); ++t) {
     for (size_t i = 0; i < 3; ++i) {
-      const uint32_t knot = out.knots.of_leaf[t][i];
+      const uint32_t knot = knots.of_leaf[t][i];
       system.diagonal[knot] += system.leaf[t].mass[i][i];
       for (size_t c = 0; c < 3; ++c) right[c][knot] += system.leaf[t].right[c][i];
       low[knot] = min(low[knot], system.leaf[t].low);
@@ -164,9 +164,10 @@ Fit fit(const Picture& picture, const RefinedScene& refined) {
   return out;
 }
 
-float interpolated(const Fit& fit, size_t leaf, const std::array<float, 3>& share) {
+float interpolated(const Fit& fit, const std::array<uint32_t, 3>& knot,
+                   const std::array<float, 3>& share) {
   Rgb out;
-  for (size_t k = 0; k < 3; ++k) out += fit.light[fit.knots.of_leaf[leaf][k]] * share[k];
+  for (size_t k = 0; k < 3; ++k) out += fit.light[knot[k]] * share[k];
   return luminance(out);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lte/bake/lightmap.h"
@@ -17,17 +18,16 @@ inline constexpr double kDarkest = 0.1;
 /// Samples along a triangle at most.
 inline constexpr int kMostSamples = 128;
 
-/// What a light map shows at a place, as engines look it up.
+/// What a layer of a light map, or the sum of several, shows at a place, as engines look it up.
 class Picture {
  public:
-  explicit Picture(const Lightmap& map) : width_(map.width), height_(map.height) {
-    const std::vector<float> total = map.total();
-    for (size_t i = 0; i < map.pixels(); ++i)
-      pixels_.push_back({total[3 * i], total[3 * i + 1], total[3 * i + 2]});
+  /// @param light  [height, width, 3] W/m², borrowed
+  Picture(const Lightmap& map, std::span<const float> light)
+      : width_(map.width), height_(map.height), light_(light) {
     double sum = 0, lit = 0;
     for (size_t i = 0; i < map.pixels(); ++i) {
       if (map.mask[i] != static_cast<uint8_t>(Texel::Lit)) continue;
-      sum += double{luminance(pixels_[i])};
+      sum += double{luminance(pixel(i))};
       ++lit;
     }
     darkest_ = lit > 0 && sum > 0 ? kDarkest * sum / lit : 1;
@@ -47,14 +47,14 @@ class Picture {
   double darkest() const { return darkest_; }
 
  private:
-  const Rgb& pixel(int x, int y) const {
-    return pixels_[static_cast<size_t>(std::clamp(y, 0, height_ - 1)) *
-                       static_cast<size_t>(width_) +
-                   static_cast<size_t>(std::clamp(x, 0, width_ - 1))];
+  Rgb pixel(size_t i) const { return {light_[3 * i], light_[3 * i + 1], light_[3 * i + 2]}; }
+  Rgb pixel(int x, int y) const {
+    return pixel(static_cast<size_t>(std::clamp(y, 0, height_ - 1)) * static_cast<size_t>(width_) +
+                 static_cast<size_t>(std::clamp(x, 0, width_ - 1)));
   }
 
   int width_, height_;
-  std::vector<Rgb> pixels_;
+  std::span<const float> light_;
   double darkest_ = 1;
 };
 
@@ -110,16 +110,18 @@ struct Knots {
   uint32_t count = 0;
 };
 
-/// Light at knots, and how far it is off between them.
+Knots find_knots(const std::vector<Leaf>& leaves);
+
+/// Light at knots.
 struct Fit {
-  Knots knots;
-  std::vector<Rgb> light;
-  std::vector<double> level;  ///< [leaves] what errors there are relative to
+  std::vector<Rgb> light;    ///< [knots] W/m²
+  std::vector<double> mean;  ///< [leaves] luminance
 };
 
-Fit fit(const Picture& picture, const RefinedScene& refined);
+Fit fit(const Picture& picture, const RefinedScene& refined, const Knots& knots);
 
-/// Luminance at a place of a leaf.
-float interpolated(const Fit& fit, size_t leaf, const std::array<float, 3>& share);
+/// Luminance at a place of a leaf whose corners are those knots.
+float interpolated(const Fit& fit, const std::array<uint32_t, 3>& knot,
+                   const std::array<float, 3>& share);
 
 }  // namespace lte::bake

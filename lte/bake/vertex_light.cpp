@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -20,16 +21,71 @@ constexpr float kLeastEdge = 3;
 constexpr int kPartSamples = 4;
 constexpr int64_t kGrain = 256;
 
-/// How far light is off linear interpolation over a leaf, relative: at the middles of its edges,
-/// by what a vertex there would gain, and in the mean over parts of it. 0 where it is small.
-double bend_of(const Picture& picture, const LeafSamples& samples, const Fit& fit, size_t leaf) {
-  if (samples.longest_edge() < kLeastEdge) return 0;
+/// What is fitted: the layers of a light map, and their sum behind them where there are several.
+class Pictures {
+ public:
+  explicit Pictures(const Lightmap& map) {
+    for (const Layer& layer : map.layers) pictures_.emplace_back(map, layer.irradiance);
+    if (map.layers.size() == 1) return;
+    total_ = map.total();
+    pictures_.emplace_back(map, total_);
+  }
+  Pictures(const Pictures&) = delete;
+  Pictures& operator=(const Pictures&) = delete;
+
+  size_t count() const { return pictures_.size(); }
+  const Picture& operator[](size_t i) const { return pictures_[i]; }
+  LeafSamples samples(const RefinedScene& refined, size_t leaf) const {
+    const Leaf& one = refined.leaves()[leaf];
+    return {pictures_[0], refined.scene().meshes[one.instance], one};
+  }
+
+ private:
+  std::vector<float> total_;
+  std::vector<Picture> pictures_;
+};
+
+/// The pictures at the corners of leaves.
+struct CornerLight {
+  Knots knots;
+  std::vector<Fit> of;  ///< [pictures]; of the sum the sum
+
+  /// What errors of a picture are relative to, over a leaf.
+  double level(const Pictures& pictures, size_t picture, size_t leaf) const {
+    return std::max(of[picture].mean[leaf], pictures[picture].darkest());
+  }
+  float at(size_t picture, size_t leaf, const std::array<float, 3>& share) const {
+    return interpolated(of[picture], knots.of_leaf[leaf], share);
+  }
+};
+
+Fit sum_of(const std::vector<Fit>& layers) {
+  Fit out = layers.front();
+  for (const Fit& layer : std::span(layers).subspan(1)) {
+    for (size_t i = 0; i < out.light.size(); ++i) out.light[i] += layer.light[i];
+    for (size_t t = 0; t < out.mean.size(); ++t) out.mean[t] += layer.mean[t];
+  }
+  return out;
+}
+
+CornerLight fit_all(const Pictures& pictures, const RefinedScene& refined) {
+  CornerLight out{find_knots(refined.leaves()), {}};
+  const size_t layers = std::max<size_t>(1, pictures.count() - 1);
+  for (size_t k = 0; k < layers; ++k) out.of.push_back(fit(pictures[k], refined, out.knots));
+  if (pictures.count() > layers) out.of.push_back(sum_of(out.of));
+  return out;
+}
+
+/// How far a picture is off linear interpolation over a leaf, relative: at the middles of its
+/// edges, by what a vertex there would gain, and in the mean over parts of it.
+double bend_of(const Pictures& pictures, size_t picture, const LeafSamples& samples,
+               const CornerLight& found, size_t leaf) {
   std::array<double, 3> gain{}, square{};
   const int parts = std::max(1, samples.along / kPartSamples);
   std::vector<double> sum(2 * static_cast<size_t>(parts) * static_cast<size_t>(parts));
   std::vector<double> count(sum.size());
-  samples.for_each(picture, [&](const std::array<float, 3>& share, const Rgb& light) {
-    const double off = double{luminance(light) - interpolated(fit, leaf, share)};
+  samples.for_each(pictures[picture], [&](const std::array<float, 3>& share, const Rgb& light) {
+    const double off = double{luminance(light) - found.at(picture, leaf, share)};
     for (size_t k = 0; k < 3; ++k) {
       const double hat = 2 * double{std::min(share[k], share[(k + 1) % 3])};
       gain[k] += hat * off;
@@ -46,18 +102,20 @@ double bend_of(const Picture& picture, const LeafSamples& samples, const Fit& fi
   for (size_t k = 0; k < 3; ++k) out = std::max(out, std::abs(gain[k] / square[k]));
   for (size_t k = 0; parts > 1 && k < sum.size(); ++k)
     if (count[k] > 0) out = std::max(out, std::abs(sum[k] / count[k]));
-  return out / fit.level[leaf];
+  return out / found.level(pictures, picture, leaf);
 }
 
-/// Leaves that bend more than they may, the worst first.
-std::vector<uint32_t> bent_leaves(const Picture& picture, const RefinedScene& refined,
-                                  const Fit& fit, double bend) {
-  const std::vector<Leaf>& leaves = refined.leaves();
-  std::vector<double> off(leaves.size());
-  parallel_for(static_cast<int64_t>(leaves.size()), kGrain, [&](int64_t begin, int64_t end) {
-    for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t)
-      off[t] = bend_of(picture, {picture, refined.scene().meshes[leaves[t].instance], leaves[t]},
-                       fit, t);
+/// Leaves where a picture bends more than it may, the worst first.
+std::vector<uint32_t> bent_leaves(const Pictures& pictures, const RefinedScene& refined,
+                                  const CornerLight& found, double bend) {
+  std::vector<double> off(refined.leaves().size());
+  parallel_for(static_cast<int64_t>(off.size()), kGrain, [&](int64_t begin, int64_t end) {
+    for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t) {
+      const LeafSamples samples = pictures.samples(refined, t);
+      if (samples.longest_edge() < kLeastEdge) continue;
+      for (size_t k = 0; k < pictures.count(); ++k)
+        off[t] = std::max(off[t], bend_of(pictures, k, samples, found, t));
+    }
   });
   std::vector<uint32_t> out;
   for (uint32_t t = 0; t < off.size(); ++t)
@@ -68,31 +126,23 @@ std::vector<uint32_t> bent_leaves(const Picture& picture, const RefinedScene& re
 
 /// Halves the leaves, or as many of the worst as the limit leaves room for.
 /// @return  whether all of them were
-bool halve_some(std::vector<uint32_t> bent, int64_t most, RefinedScene* refined) {
-  const auto count = [&] { return static_cast<int64_t>(refined->leaves().size()); };
+bool halve_some(std::vector<uint32_t> bent, size_t most, RefinedScene* refined) {
   const size_t all = bent.size();
-  while (!bent.empty()) {
-    if (count() + static_cast<int64_t>(bent.size()) <= most) {
-      RefinedScene before = *refined;
-      refined->halve(bent);
-      if (count() <= most) break;
-      *refined = std::move(before);
-    }
-    bent.resize(bent.size() / 2);
-  }
+  while (!bent.empty() && !refined->halve(bent, most)) bent.resize(bent.size() / 2);
   return bent.size() == all;
 }
 
-double off_at(const Picture& picture, const RefinedScene& refined, const Fit& fit, double share) {
+double off_at(const Pictures& pictures, size_t picture, const RefinedScene& refined,
+              const CornerLight& found, double share) {
   std::vector<std::pair<double, double>> off;  // and its area
   double area = 0;
   for (size_t t = 0; t < refined.leaves().size(); ++t) {
-    const Leaf& leaf = refined.leaves()[t];
-    const LeafSamples samples(picture, refined.scene().meshes[leaf.instance], leaf);
+    const LeafSamples samples = pictures.samples(refined, t);
     if (!(samples.area > 0)) continue;
     area += samples.area;
-    samples.for_each(picture, [&](const std::array<float, 3>& at, const Rgb& light) {
-      off.emplace_back(std::abs(double{luminance(light) - interpolated(fit, t, at)}) / fit.level[t],
+    const double level = found.level(pictures, picture, t);
+    samples.for_each(pictures[picture], [&](const std::array<float, 3>& at, const Rgb& light) {
+      off.emplace_back(std::abs(double{luminance(light) - found.at(picture, t, at)}) / level,
                        samples.weight());
     });
   }
@@ -105,27 +155,23 @@ double off_at(const Picture& picture, const RefinedScene& refined, const Fit& fi
   return 0;
 }
 
-/// The leaves as meshes whose vertices are told apart by what they show.
-VertexLight as_meshes(const RefinedScene& refined, const Fit& fit) {
-  VertexLight out;
-  out.scene = refined.scene();
-  const size_t count = out.scene.meshes.size();
-  out.irradiance.resize(count);
+/// Adds the leaves as meshes whose vertices are told apart by what they show, and their light.
+void add_meshes(const RefinedScene& refined, const CornerLight& found, VertexLight* out) {
+  const size_t count = refined.scene().meshes.size();
+  out->meshes.resize(count);
+  for (VertexLayer& layer : out->layers) layer.irradiance.resize(count);
   std::vector<std::unordered_map<std::string, uint32_t>> number(count);
-  for (scene::Mesh& mesh : out.scene.meshes) {
-    const std::string name = mesh.name;
-    const int material = mesh.material;
-    mesh = {};
-    mesh.name = name;
-    mesh.material = material;
+  for (size_t i = 0; i < count; ++i) {
+    out->meshes[i].name = refined.scene().meshes[i].name;
+    out->meshes[i].material = refined.scene().meshes[i].material;
   }
   for (size_t t = 0; t < refined.leaves().size(); ++t) {
     const Leaf& leaf = refined.leaves()[t];
     const scene::Mesh& from = refined.scene().meshes[leaf.instance];
-    scene::Mesh& to = out.scene.meshes[leaf.instance];
+    scene::Mesh& to = out->meshes[leaf.instance];
     std::array<uint32_t, 3> triangle{};
     for (size_t k = 0; k < 3; ++k) {
-      const uint32_t vertex = leaf.vertex[k], knot = fit.knots.of_leaf[t][k];
+      const uint32_t vertex = leaf.vertex[k], knot = found.knots.of_leaf[t][k];
       std::string key(reinterpret_cast<const char*>(&knot), sizeof knot);
       const auto note = [&](const auto& values) {
         if (!values.empty())
@@ -137,9 +183,9 @@ VertexLight as_meshes(const RefinedScene& refined, const Fit& fit) {
       note(from.tangents);
       for (size_t set = 0; set < from.uvs.size(); ++set)
         if (set != 1) note(from.uvs[set]);
-      const auto [found, is_new] = number[leaf.instance].try_emplace(
+      const auto [at, is_new] = number[leaf.instance].try_emplace(
           std::move(key), static_cast<uint32_t>(to.positions.size()));
-      triangle[k] = found->second;
+      triangle[k] = at->second;
       if (!is_new) continue;
       const auto take = [&](const auto& values, auto* into) {
         if (!values.empty()) into->push_back(values[vertex]);
@@ -150,11 +196,11 @@ VertexLight as_meshes(const RefinedScene& refined, const Fit& fit) {
       take(from.tangents, &to.tangents);
       for (size_t set = 0; set < from.uvs.size(); ++set)
         if (set != 1) take(from.uvs[set], &to.uvs[set]);
-      out.irradiance[leaf.instance].push_back(fit.light[knot]);
+      for (size_t l = 0; l < out->layers.size(); ++l)
+        out->layers[l].irradiance[leaf.instance].push_back(found.of[l].light[knot]);
     }
     to.triangles.push_back(triangle);
   }
-  return out;
 }
 
 /// Vertices are told apart by what materials show alone.
@@ -177,23 +223,33 @@ scene::Scene without_unused_uvs(scene::Scene scene) {
 
 }  // namespace
 
+std::vector<Rgb> VertexLight::total(size_t mesh) const {
+  std::vector<Rgb> out(meshes[mesh].positions.size());
+  for (const VertexLayer& layer : layers)
+    for (size_t v = 0; v < out.size(); ++v) out[v] += layer.irradiance[mesh][v];
+  return out;
+}
+
 VertexLight vertex_light(const Lightmap& map, const VertexOptions& options) {
-  const Picture picture(map);
+  const Pictures pictures(map);
   RefinedScene refined(without_unused_uvs(map.scene));
-  const auto before = static_cast<int64_t>(refined.leaves().size());
-  bool limited = false;
-  Fit found = fit(picture, refined);
-  while (!limited) {
-    std::vector<uint32_t> bent = bent_leaves(picture, refined, found, options.bend);
+  VertexLight out;
+  out.triangles_before = static_cast<int64_t>(refined.leaves().size());
+  CornerLight found = fit_all(pictures, refined);
+  while (!out.limited) {
+    std::vector<uint32_t> bent = bent_leaves(pictures, refined, found, options.bend);
     if (bent.empty()) break;
-    limited = !halve_some(std::move(bent), options.max_triangles, &refined);
-    found = fit(picture, refined);
+    out.limited =
+        !halve_some(std::move(bent), static_cast<size_t>(options.max_triangles), &refined);
+    found = fit_all(pictures, refined);
   }
-  VertexLight out = as_meshes(refined, found);
-  out.triangles_before = before;
+  for (size_t l = 0; l < map.layers.size(); ++l)
+    out.layers.push_back({map.layers[l].name, {}, off_at(pictures, l, refined, found, 0.95)});
+  add_meshes(refined, found, &out);
   out.triangles = static_cast<int64_t>(refined.leaves().size());
-  out.off_p95 = off_at(picture, refined, found, 0.95);
-  out.limited = limited;
+  out.off_p95 = pictures.count() == 1
+                    ? out.layers[0].off_p95
+                    : off_at(pictures, pictures.count() - 1, refined, found, 0.95);
   return out;
 }
 

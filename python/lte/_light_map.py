@@ -35,7 +35,8 @@ class LightMap:
         """Writes the folder that lte_bake writes. The format three needs three.js, a file.
 
         bend and max_triangles are of vertex-colors: triangles are cut until linear interpolation
-        is off by less than that share of the light, or there are so many.
+        is off by less than that share of the light, or there are so many. There layers are vertex
+        attributes, which vertex_light.json names.
         """
         self._made.save(path_text(folder), choice("format", format, *_lte.bake_formats()),
                         path_text(three), number("bend", bend, 1e-3, 10),

@@ -1,4 +1,6 @@
 """Light maps, against lte_bake's files and against what is known of them."""
+import json
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,19 @@ def test_vertex_colors_are_the_file_of_lte_bake(room, room_file, tmp_path, tool)
     baked.save(tmp_path / "few", format="vertex-colors", bend=0.3, max_triangles=1)
     few = lte.load(tmp_path / "few" / "scene.glb").triangles
     assert few == room.triangles < lte.load(tmp_path / "python" / "scene.glb").triangles
+
+
+def test_vertex_colors_have_light_groups(room_file, tmp_path, tool):
+    tool("lte_bake", room_file, "--add-light", "auto", "--texels-per-metre", 4, "--quality",
+         "draft", "--by-light", "--format", "vertex-colors", "--out", tmp_path / "tool")
+    room = lte.load(room_file, add_light="auto")
+    baked = lte.bake(room, texels_per_metre=4, quality="draft", by_light=True)
+    baked.save(tmp_path / "python", format="vertex-colors")
+    made = (tmp_path / "python" / "scene.glb").read_bytes()
+    assert made == (tmp_path / "tool" / "scene.glb").read_bytes()
+    groups = json.loads((tmp_path / "python" / "vertex_light.json").read_text())["groups"]
+    assert [group["name"] for group in groups] == list(baked.layers) and len(groups) > 1
+    assert all(f'"{group["attribute"]}":'.encode() in made for group in groups)
 
 
 @pytest.mark.parametrize("options, words", [

@@ -109,7 +109,11 @@ def main():
         refused("light reaches no texel")
         write_gltf(scene, [QUAD], [
             {"type": "point", "intensity": 1, "at": (0.0004 * k, 1, 1)} for k in range(5000)])
-        refused("5000 layers", "--by-light", "--set", "max_memory=200M", density=64)
+        for form in ("gltf", "vertex-colors"):
+            refused("5000 layers", "--by-light", "--set", "max_memory=200M", "--format", form,
+                    density=64)
+            refused("--by-light goes with --integrator gather or path", "--by-light",
+                    "--integrator", "network", "--format", form)
 
         # A probe in a block.
         write_gltf(scene, [quad[::-1] for quad in CUBE],

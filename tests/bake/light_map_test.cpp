@@ -1,15 +1,19 @@
 // Light maps: the light on texels against what is known of it.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "lte/bake/bake.h"
 #include "lte/bake/light_group.h"
 #include "lte/bake/rates.h"
 #include "lte/bake/seams.h"
+#include "lte/base/file.h"
 #include "lte/image/exr.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/load.h"
@@ -357,6 +361,29 @@ TEST(Lightmap, OfLightGroupsAddsUp) {
     b += double{luminance(all.irradiance[i])};
   }
   EXPECT_NEAR(a / b, 1, 0.02);
+}
+
+TEST(Lightmap, LayersOfOneNameAreToldApart) {
+  const scene::Scene scene = test::furnished_room();
+  const Traced traced(scene);
+  const Layout layout = make_layout(scene, density(2));
+  const TexelLight light = path_light(traced, layout, 2, 1);
+  const Lightmap map = make_lightmap(
+      traced.bvh, layout, {{"lamp.1", light}, {"lamp_1", light}, {"lamp.1", light}}, {}, nullptr);
+  const test::TempDir folder;
+  write_lightmap_exr(folder / "map.exr", map);
+  write_lightmap_json(folder / "map.json", map, "map.exr");
+  const std::string picture = read_file(folder / "map.exr");
+  const auto record = nlohmann::json::parse(read_file(folder / "map.json"))["layers"];
+  const std::array<std::string, 3> names{"lamp.1", "lamp_1", "lamp.1_2"};
+  const std::array<std::string, 3> channels{"lamp_1.R", "lamp_1_2.R", "lamp_1_2_2.R"};
+  ASSERT_EQ(map.layers.size(), 3u);
+  for (size_t l = 0; l < 3; ++l) {
+    EXPECT_EQ(map.layers[l].name, names[l]);
+    EXPECT_EQ(record[l]["name"], names[l]);
+    EXPECT_EQ(record[l]["channels"], channels[l]);
+    EXPECT_NE(picture.find('\0' + channels[l]), std::string::npos);
+  }
 }
 
 TEST(Lightmap, FilesHoldWhatWasBaked) {

@@ -40,7 +40,8 @@ void write_bevy(const Lightmap& map, const FormatOptions& options, FileSet* file
 /// A script that opens the scene in Blender; E / π as EXR.
 void write_blender(const Lightmap& map, const FormatOptions& options, FileSet* files);
 /// A scene without a picture: light times the surface's own color in COLOR_0, which viewers
-/// multiply by the base color (KHR_materials_unlit), and E in _IRRADIANCE.
+/// multiply by the base color (KHR_materials_unlit), and E in _IRRADIANCE. Of several layers each
+/// has its part of COLOR_0 as _LIGHT_NAME, too.
 void write_vertex_colors(const Lightmap& map, const FormatOptions& options, FileSet* files);
 
 }  // namespace lte::bake
