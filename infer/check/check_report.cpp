@@ -47,7 +47,7 @@ nlohmann::json check_json(const LightCheck& check) {
   return {{"whole", ratio_json(check.whole)},
           {"fault", check.fault ? ratio_json(*check.fault) : nlohmann::json()},
           {"regions", regions},
-          {"expected_error", std::sqrt(check.variance)},
+          {"expected_error", std::sqrt(check.whole.expected_square)},
           {"paths", check.paths},
           {"seconds", check.seconds}};
 }

@@ -10,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
+#include "lte/gi/expected_error.h"
 #include "lte/pathtrace/irradiance.h"
 
 namespace lte::infer {
@@ -78,7 +79,6 @@ class Checker {
       for (const uint32_t place : tree_.places(region.node))
         out.region_of[place] = static_cast<int32_t>(out.regions.size()) - 1;
     }
-    expect_errors(&out);
     if (!wrong.empty()) out.fault = fault_of(wrong);
     if (out.fault && out.fault->share * std::fabs(out.fault->ratio - 1) < kMinFault)
       out.fault.reset();
@@ -200,25 +200,11 @@ class Checker {
     }
     out->ratio = region->found.ratio;
     out->standard_error = region->found.standard_error;
+    const double shift = out->ratio - 1;
+    out->expected_square = out->off ? shift * shift + std::pow(out->standard_error, 2)
+                                    : gi::shifted_square(shift, out->standard_error);
     out->share = share_of(region->node);
     out->centre = centre_of(region->node);
-  }
-
-  /// Empirical Bayes (Efron and Morris 1973): what regions are off by is normally distributed about
-  /// 0 and known to a standard error, so a ratio is drawn towards 1 the more the less is known.
-  static void expect_errors(LightCheck* check) {
-    double sum = 0;
-    for (const CheckedRatio& region : check->regions)
-      sum += region.share * (std::pow(region.ratio - 1, 2) - std::pow(region.standard_error, 2));
-    check->variance = std::max(0.0, sum);
-    if (!(check->variance > 0)) return;
-    const auto expect = [&](CheckedRatio* light) {
-      const double noise = std::pow(light->standard_error, 2);
-      const double known = check->variance / (check->variance + noise);
-      light->expected_square = std::pow(known * (light->ratio - 1), 2) + known * noise;
-    };
-    expect(&check->whole);
-    for (CheckedRatio& region : check->regions) expect(&region);
   }
 
   double share_of(size_t node) const {

@@ -59,8 +59,8 @@ struct CheckedRatio {
   double share = 1;  ///< of all places
   Vec3 centre;       ///< the place nearest to the mean of these places
   bool off = false;  ///< confirmed: wrong by more than is let pass, and not by chance
-  /// What the light here is off by, squared and relative to it: the mean over what it may be, given
-  /// the ratio and LightCheck::variance.
+  /// What the light here is expected to be off by, squared and relative to it: the ratio as it is
+  /// where that is confirmed, else gi::shifted_square().
   double expected_square = 0;
 };
 
@@ -68,9 +68,6 @@ struct LightCheck {
   CheckedRatio whole;
   std::vector<CheckedRatio> regions;  ///< disjoint; at least one where anything was compared
   std::vector<int32_t> region_of;     ///< of each place: a number of `regions`
-  /// How far regions are off, squared and relative: what their ratios differ from 1 by, beyond what
-  /// chance explains, in the mean over the places.
-  double variance = 0;
   /// Of all regions that are off to the same side, the side that is off by more light; `centre` is
   /// that of the one which is off by the most. Nothing if that is little for so few places.
   std::optional<CheckedRatio> fault;

@@ -16,15 +16,15 @@ namespace lte::infer {
 
 struct EmbeddedLightOptions {
   bool direct = false;  ///< add direct light, by the rays that lte_probe takes
-  /// An embedding of the same scene from other scene points, for the error; null: none is found.
-  const runtime::SceneEmbedding* other = nullptr;
+  bool error = false;   ///< EmbeddedLight::expected_error is wanted
   uint64_t seed = 0;
 };
 
 struct EmbeddedLight {
   std::vector<Rgb> irradiance;  ///< W/m²; indirect unless direct light is added
-  /// expected_errors(): what the two embeddings disagree by, and what a few thousand paths find the
-  /// region to be off by; all of the answer where light does not reach. Empty without `other`.
+  /// What the embedding and gathered light disagree by at the nearest of some hundred places, and
+  /// gi::kSharedError, relative to gi::ErrorUnit; all of the answer where light does not reach.
+  /// Empty unless wanted.
   std::vector<double> expected_error;
 };
 

@@ -3,43 +3,49 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lte/gi/expected_error.h"
+
 namespace lte::infer {
 namespace {
 
-// The spread over all points counts as much as so many tables at the point itself.
-constexpr double kTablesOfOthers = 3;
-
 double mean_square(const Rgb& value) { return double{dot(value, value)} / 3; }
 
-/// Squared, relative to the light.
-double squared_fault(const LightCheck& check, size_t point) {
-  if (check.region_of.empty()) return 0;
-  return check.regions[static_cast<size_t>(check.region_of[point])].expected_square +
-         check.variance;
+/// What rays share, squared, relative to the unit.
+double shared_square(const LightCheck& check, size_t point) {
+  if (check.region_of.empty()) return gi::kSharedError * gi::kSharedError;
+  return check.regions[static_cast<size_t>(check.region_of[point])].expected_square;
 }
 
 }  // namespace
 
 double rms(const Rgb& value) { return std::sqrt(mean_square(value)); }
 
+gi::ErrorUnit error_unit(std::span<const Rgb> light) {
+  double sum = 0;
+  for (const Rgb& value : light) sum += rms(value);
+  return gi::ErrorUnit(sum / static_cast<double>(std::max<size_t>(1, light.size())));
+}
+
 std::vector<double> expected_errors(const GatheredProbe& gathered,
                                     std::span<const Rgb> direct_error, const LightCheck& check) {
-  double squares = 0, light = 0;
+  const gi::ErrorUnit unit = error_unit(gathered.indirect);
+  double squares = 0, units = 0;
   for (size_t i = 0; i < gathered.indirect.size(); ++i) {
     squares += mean_square(gathered.standard_error[i]);
-    light += mean_square(gathered.indirect[i]);
+    units += std::pow(unit(rms(gathered.indirect[i])), 2);
   }
-  const double relative = light > 0 ? squares / light : 0;
-  const double own = gathered.tables - 1;
+  const double relative = units > 0 ? squares / units : 0;
   std::vector<double> out;
   out.reserve(gathered.indirect.size());
   for (size_t i = 0; i < gathered.indirect.size(); ++i) {
-    const double here = mean_square(gathered.indirect[i]);
+    const double here = std::pow(unit(rms(gathered.indirect[i])), 2);
+    // The variance of a variance that so many tables tell.
+    const double expected = relative * here,
+                 noise = 2 * expected * expected / (gathered.tables - 1);
     const double spread =
-        (own * mean_square(gathered.standard_error[i]) + kTablesOfOthers * relative * here) /
-        (own + kTablesOfOthers);
-    const double fault = (squared_fault(check, i) + kUnseenShare * kUnseenShare) * here;
-    out.push_back(std::sqrt(spread + fault + mean_square(direct_error[i])));
+        gi::posterior_square(expected, mean_square(gathered.standard_error[i]), noise);
+    out.push_back(
+        std::sqrt(spread + shared_square(check, i) * here + mean_square(direct_error[i])));
   }
   return out;
 }

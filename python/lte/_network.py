@@ -60,9 +60,8 @@ class Embedding:
     def __init__(self, model: Model, scene: Scene, points: int, seed: int) -> None:
         self.scene = scene
         self._lit = made_of(scene)
-        self._encode = functools.partial(model._made.encode, self._lit, points)
         self._seed = seed
-        self._made = self._encode(seed)
+        self._made = model._made.encode(self._lit, points, seed)
 
     @property
     def scene_points(self) -> int:
@@ -80,9 +79,9 @@ class Embedding:
 
         `albedo` [N, 3] is by default that of the surfaces. `direct` adds light straight from lamps,
         by 256 rays a point. `error` also gives [N], the root mean square error to expect, W/m²:
-        what an embedding of other scene points differs by, and what a few thousand paths find the
-        region to be off by; all of the answer where no light comes. Nine tenths of lit points lie
-        within twice that. lte.irradiance() has light that rays gather, nearer to the truth.
+        what the embedding and gathered light differ by at the nearest of some hundred places; all
+        of the answer where no light comes. lte.irradiance() has light that rays gather, nearer to
+        the truth.
         """
         from lte._arrays import colors, surface
         at, side = surface(points, normals)
@@ -90,12 +89,8 @@ class Embedding:
         if not direct and not error:
             return self._made.decode(self._lit, at, side, color)
         light, off = self._made.answer(self._lit, at, side, color, bool(direct),
-                                       self._other if error else None, self._seed)
+                                       bool(error), self._seed)
         return (light, off) if error else light
-
-    @functools.cached_property
-    def _other(self) -> _lte.Embedding:
-        return self._encode((self._seed + 1) % (1 << 64))
 
 
 def integrator_word(word: str) -> str:

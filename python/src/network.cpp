@@ -67,12 +67,12 @@ Array decode(const runtime::SceneEmbedding& self, const Scene& scene, const Trip
   return array_of(unlocked());
 }
 
-/// Light at points with direct light, the error to expect, or both: [N, 3], and [N], or [0] without
-/// another embedding.
+/// Light at points with direct light, the error to expect, or both: [N, 3], and [N], or [0] where
+/// none is wanted.
 nb::typed<nb::tuple, Array, Array> answer(const runtime::SceneEmbedding& self, const Scene& scene,
                                           const Triples& points, const Triples& normals,
                                           const std::optional<Triples>& albedo, bool direct,
-                                          const runtime::SceneEmbedding* other, uint64_t seed) {
+                                          bool error, uint64_t seed) {
   const infer::EmbeddedLight light = interruptible([&] {
     apply_threads();
     const scene::PointTable table = table_of(scene, points, normals);
@@ -80,10 +80,10 @@ nb::typed<nb::tuple, Array, Array> answer(const runtime::SceneEmbedding& self, c
         albedo ? vector_of(*albedo)
                : embed::albedo_at(*scene.bvh(), {table.position, table.normal});
     return infer::embedded_light(self, table, color, *scene.bvh(), *scene.lights(),
-                                 {direct, other, seed});
+                                 {direct, error, seed});
   });
-  const std::vector<float> error(light.expected_error.begin(), light.expected_error.end());
-  return nb::make_tuple(array_of(light.irradiance), array_of(error, {error.size()}));
+  const std::vector<float> off(light.expected_error.begin(), light.expected_error.end());
+  return nb::make_tuple(array_of(light.irradiance), array_of(off, {off.size()}));
 }
 
 }  // namespace
@@ -112,7 +112,7 @@ void bind_network(nb::module_& m) {
       .def("decode", &decode, nb::arg("scene"), nb::arg("points"), nb::arg("normals"),
            nb::arg("albedo").none())
       .def("answer", &answer, nb::arg("scene"), nb::arg("points"), nb::arg("normals"),
-           nb::arg("albedo").none(), nb::arg("direct"), nb::arg("other").none(), nb::arg("seed"));
+           nb::arg("albedo").none(), nb::arg("direct"), nb::arg("error"), nb::arg("seed"));
   m.def("load_model", &load_model);
 }
 
