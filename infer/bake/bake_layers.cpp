@@ -9,7 +9,9 @@
 #include "infer/renderer/quality.h"
 #include "lte/bake/light_group.h"
 #include "lte/base/file.h"
+#include "lte/base/interruption.h"
 #include "lte/base/log.h"
+#include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/cli/numbers.h"
@@ -152,10 +154,32 @@ bake::TexelLight bake_changes(const render::TracedScene& scene,
 
 }  // namespace
 
+PreparedIntegrator::PreparedIntegrator(const BakeRequest& request, const render::TracedScene& scene)
+    : request_(request), scene_(scene) {
+  if (request.needs_network()) return;
+  made_ = std::async(num_threads() > 1 ? std::launch::async : std::launch::deferred, [this] {
+    const Interruption::Shared shared(dropped_);
+    auto integrator = integrator_of(request_, scene_, {});
+    integrator->prepare();
+    return integrator;
+  });
+}
+
+PreparedIntegrator::~PreparedIntegrator() { dropped_ = true; }
+
+std::unique_ptr<render::Integrator> PreparedIntegrator::get(
+    const render::IrradianceSource& source) {
+  if (made_.valid()) return made_.get();
+  auto integrator = integrator_of(request_, scene_, source);
+  integrator->prepare();
+  return integrator;
+}
+
 std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
                                           const runtime::Network* network,
                                           const EmbedSettings& settings, const bake::Layout& layout,
-                                          double seconds, const BakeParts* parts, SinceBake* since,
+                                          PreparedIntegrator* prepared, double seconds,
+                                          const BakeParts* parts, SinceBake* since,
                                           bake::LightState* state, Renderer* renderer) {
   const Timer timer;
   const double time = request.time.empty() ? INFINITY : parse_time(request.time) - seconds;
@@ -165,8 +189,7 @@ std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
     source = renderer->source();
   }
   const render::TracedScene traced{renderer->bvh(), renderer->lights()};
-  const auto integrator = integrator_of(request, traced, source);
-  integrator->prepare();
+  const auto integrator = prepared->get(source);
   ShownProgress progress;
   LayerBaker bake_layer(request, layout, parts);
   bake::LightOptions options = light_options(request);

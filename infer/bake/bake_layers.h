@@ -1,6 +1,9 @@
 // The light of a bake's layers.
 #pragma once
 
+#include <atomic>
+#include <future>
+#include <memory>
 #include <vector>
 
 #include "infer/bake/bake_command.h"
@@ -8,8 +11,28 @@
 #include "infer/bake/kept_bake.h"
 #include "infer/renderer/renderer.h"
 #include "lte/bake/bake.h"
+#include "lte/render/integrator.h"
 
 namespace lte::infer {
+
+/// The integrator of all light, which is prepared while charts are made: neither needs the other.
+/// With a network, whose places are texels, get() prepares it. Borrows all that it is made of.
+class PreparedIntegrator {
+ public:
+  PreparedIntegrator(const BakeRequest& request, const render::TracedScene& scene);
+  ~PreparedIntegrator();
+  PreparedIntegrator(const PreparedIntegrator&) = delete;
+  PreparedIntegrator& operator=(const PreparedIntegrator&) = delete;
+
+  /// Once. @param source  of the network; empty without one
+  std::unique_ptr<render::Integrator> get(const render::IrradianceSource& source);
+
+ private:
+  const BakeRequest& request_;
+  const render::TracedScene scene_;
+  std::atomic<bool> dropped_{false};
+  std::future<std::unique_ptr<render::Integrator>> made_;
+};
 
 /// A bake that goes on from an earlier one.
 struct SinceBake {
@@ -20,6 +43,7 @@ struct SinceBake {
 
 /// One layer of all light, or with --by-light one a light group.
 /// @param network  that fills caches; null: paths trace them
+/// @param prepared of the scene
 /// @param seconds  since the work began, of which --time leaves the rest
 /// @param parts    where --resume finds what was sampled, and a --shard leaves it; null: nowhere
 /// @param since    null: all is baked
@@ -28,7 +52,8 @@ struct SinceBake {
 std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
                                           const runtime::Network* network,
                                           const EmbedSettings& settings, const bake::Layout& layout,
-                                          double seconds, const BakeParts* parts, SinceBake* since,
+                                          PreparedIntegrator* prepared, double seconds,
+                                          const BakeParts* parts, SinceBake* since,
                                           bake::LightState* state, Renderer* renderer);
 
 }  // namespace lte::infer

@@ -63,15 +63,13 @@ void check_memory(const BakeRequest& request, const scene::Scene& scene,
 }
 
 void write_gltf(const bake::Lightmap& map, FileSet* files) {
-  files->write("lightmap.exr",
-               [&](const std::filesystem::path& path) { bake::write_lightmap_exr(path, map); });
-  files->write("lightmap.json", [&](const std::filesystem::path& path) {
-    bake::write_lightmap_json(path, map, "lightmap.exr");
-  });
-  files->write("scene.glb",
-               [&](const std::filesystem::path& path) { bake::write_lightmap_glb(path, map); });
-  files->write("scene_unlit.glb",
-               [&](const std::filesystem::path& path) { bake::write_unlit_glb(path, map); });
+  using Path = std::filesystem::path;
+  files->write_all(
+      {{"scene.glb", [&](const Path& path) { bake::write_lightmap_glb(path, map); }},
+       {"scene_unlit.glb", [&](const Path& path) { bake::write_unlit_glb(path, map); }},
+       {"lightmap.exr", [&](const Path& path) { bake::write_lightmap_exr(path, map); }},
+       {"lightmap.json",
+        [&](const Path& path) { bake::write_lightmap_json(path, map, "lightmap.exr"); }}});
 }
 
 std::optional<bake::ProbeVolume> probes_of(const BakeRequest& request, const Renderer& renderer) {
@@ -129,6 +127,9 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
   check_since(request);
   if (request.since.empty())  // whose atlas was baked here before
     check_memory(request, scene, runtime::MemoryLimit(request.tool.max_memory_mb));
+  std::optional<PreparedIntegrator> prepared;
+  if (!request.validate_only)
+    prepared.emplace(request, render::TracedScene{renderer->bvh(), renderer->lights()});
   std::optional<KeptBake> old;
   bake::Relayout relayout;
   bake::Layout& layout = relayout.layout;
@@ -165,9 +166,9 @@ std::optional<BakedScene> bake_scene(const BakeRequest& request, Renderer* rende
   if (old) since.emplace(SinceBake{*old, relayout, {}});
   const bool keeps = request.keep_samples || old;
   bake::LightState state;
-  std::vector<bake::BakedLayer> layers =
-      bake_layers(request, model, settings, layout, timer.seconds(), parts ? &*parts : nullptr,
-                  since ? &*since : nullptr, keeps ? &state : nullptr, renderer);
+  std::vector<bake::BakedLayer> layers = bake_layers(
+      request, model, settings, layout, &*prepared, timer.seconds(), parts ? &*parts : nullptr,
+      since ? &*since : nullptr, keeps ? &state : nullptr, renderer);
   if (layers.empty()) {
     log_info(request.out, ": shard ", request.shard, " in ", timer.seconds(),
              " s; --resume joins all of them");

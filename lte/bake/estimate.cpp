@@ -34,15 +34,20 @@ void for_texels(size_t count, const std::function<void(size_t)>& use) {
   });
 }
 
+/// render::error_weights() of the light that an estimate has found.
+std::vector<float> weights_of(const Halves& estimate) {
+  std::vector<float> light(estimate[0].size());
+  for (size_t i = 0; i < light.size(); ++i)
+    light[i] = luminance((estimate[0][i] + estimate[1][i]) * 0.5f);
+  return render::error_weights(std::move(light));
+}
+
 /// Draws `estimate` towards `narrow`, of which each half comes from the same half of `samples`.
-/// @param doubt  kDoubt, or 0
-void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& samples, float doubt,
-                  Halves* estimate) {
+/// @param weight  of errors, weights_of()
+/// @param doubt   kDoubt, or 0
+void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& samples,
+                  const std::vector<float>& weight, float doubt, Halves* estimate) {
   const size_t count = samples[0].size();
-  std::vector<float> light(count);
-  for (size_t i = 0; i < count; ++i)
-    light[i] = luminance(((*estimate)[0][i] + (*estimate)[1][i]) * 0.5f);
-  const std::vector<float> weight = render::error_weights(std::move(light));
   render::WayRegression regression(count);
   std::vector<float> square(doubt > 0 ? count : 0);
   for_texels(count, [&](size_t i) {
@@ -110,8 +115,10 @@ Halves without_peaks(const TexelGraph& graph, const Halves& estimate, Halves sam
 
 Halves smooth(const TexelGraph& graph, const Halves& samples) {
   std::array<Halves, kRounds.size()> means = all_means(graph, samples);
+  // Wide means would hide a dark place beside a bright one, where an error weighs most.
+  const std::vector<float> weight = weights_of(means[kRounds.size() - 2]);
   Halves out = std::move(means[0]);
-  for (size_t k = 1; k < means.size(); ++k) draw_towards(graph, means[k], samples, 0, &out);
+  for (size_t k = 1; k < means.size(); ++k) draw_towards(graph, means[k], samples, weight, 0, &out);
   return out;
 }
 
@@ -119,7 +126,7 @@ Halves correct(const TexelGraph& graph, Halves estimate, const Halves& samples) 
   const Halves even = without_peaks(graph, estimate, samples);
   // Peaks are held against the way as they were: what was spread is noise that texels share.
   for (const Halves& mean : all_means(graph, even))
-    draw_towards(graph, mean, samples, kDoubt, &estimate);
+    draw_towards(graph, mean, samples, weights_of(estimate), kDoubt, &estimate);
   return estimate;
 }
 

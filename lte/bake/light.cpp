@@ -150,8 +150,7 @@ class Bake {
       sample_turned(sampler_, integrator_, texels_, state_.back, &state_.samples);
     }
     done();
-    find_darkness(scene_.bvh, atlas_, texels_, turned_normals(texels_, state_.back), options_,
-                  &state_);
+    find_darkness(scene_.bvh, atlas_, texels_, options_, &state_);
     done();
     state_.rate =
         sampling_rates(graph_of(scene_.bvh, texels_, &state_),
@@ -217,11 +216,12 @@ std::vector<Rgb> trace_texels(const render::TracedScene& scene, const Atlas& atl
                               const Texels& texels, const std::vector<uint8_t>& back,
                               std::span<const uint32_t> which, const LightOptions& options) {
   const auto paths = render::make_path(scene, options.max_depth);
-  const TexelSampler sampler(atlas, texels, options);
+  LightOptions indirect = options;
+  indirect.direct = false;
+  const TexelSampler sampler(atlas, texels, indirect);
   TexelSamples samples(texels.size(), false);
-  render::PointSampling sampling = sampler.sampling(kPathRays);
-  sampling.light_samples = 0;
-  for (int k = 0; k < options.passes; ++k) sampler.pass(*paths, which, back, sampling, k, &samples);
+  for (int k = 0; k < options.passes; ++k)
+    sampler.pass(*paths, which, back, sampler.sampling(kPathRays), k, &samples);
   std::vector<Rgb> out;
   for (const uint32_t i : which)
     out.push_back((samples.indirect[0][i] + samples.indirect[1][i]) /

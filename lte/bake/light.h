@@ -65,11 +65,11 @@ inline constexpr int kPathsAPass = 2;
 
 /// What samples are drawn. Passes alternate between two halves.
 struct LightOptions {
-  bool direct = false;    ///< beside indirect light
-  int passes = 8;         ///< by the integrator, mean over texels; at least 2
-  int rays = 4;           ///< a texel and pass
-  int light_samples = 4;  ///< a texel and pass
-  int path_passes = 0;    ///< of two paths a texel, which correct what was gathered; mean, even
+  bool direct = false;  ///< beside indirect light
+  int passes = 8;       ///< by the integrator, mean over texels; at least 2
+  /// A texel and pass, each at a place of its own in the texel; as many light samples beside them.
+  int rays = 4;
+  int path_passes = 0;  ///< of two paths a texel, which correct what was gathered; mean, even
   int max_depth = 5;
   double seconds = INFINITY;  ///< passes after the first two end by then, and so does what follows
   double error = 0;           ///< passes end at this relative_error() of indirect light; 0: none

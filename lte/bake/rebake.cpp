@@ -83,7 +83,7 @@ Changes trace_changes(const render::TracedScene& before, const render::TracedSce
                       const Layout& layout, std::span<const uint32_t> which,
                       const std::vector<uint8_t>& back, const LightOptions& options) {
   LightOptions few = options;
-  few.rays = few.light_samples = kChangeRays;
+  few.rays = kChangeRays;
   const TexelSampler sampler(layout.atlas, layout.texels, few);
   render::PointSampling sampling = sampler.sampling(kChangePaths);
   TexelSamples was(layout.texels.size(), options.direct), is = was;
@@ -231,7 +231,7 @@ LightState rebake(const render::TracedScene& scene, const render::Integrator& in
     sampler.pass(integrator, turned, out.back, sampler.sampling(kAgainRays), k, &fresh);
   for (const uint32_t i : which) put(fresh, i, i, &out.samples);
   const std::vector<uint8_t> dark = out.dark;
-  find_darkness(scene.bvh, atlas, texels, turned_normals(texels, out.back), options, &out);
+  find_darkness(scene.bvh, atlas, texels, options, &out);
   for (size_t i = 0; i < dark.size(); ++i)
     if (kept.changed[i] == 0) out.dark[i] = dark[i];
   std::erase_if(which, [&](uint32_t i) { return out.dark[i] != 0; });

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <tuple>
+#include <utility>
 
 #include "lte/bake/least_squares.h"
 #include "lte/base/parallel_each.h"
@@ -28,6 +28,33 @@ struct Side {
   Vec2 a, b;  ///< uv at the ends
   Vec3 normal;
 };
+
+/// A triangle's edge, by its ends in the world.
+struct Edge {
+  std::pair<Corner, Corner> ends;
+  Side side;
+};
+
+/// Edges of all triangles that are in the atlas, equal ones side by side.
+std::vector<Edge> edges_of(const scene::Mesh& mesh, const std::vector<int32_t>& chart) {
+  std::vector<Edge> out;
+  out.reserve(3 * mesh.triangles.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (chart[t] == scene::kNone) continue;
+    const auto& corner = mesh.triangles[t];
+    const Vec3 normal = normalize(cross(mesh.positions[corner[1]] - mesh.positions[corner[0]],
+                                        mesh.positions[corner[2]] - mesh.positions[corner[0]]));
+    for (size_t k = 0; k < 3; ++k) {
+      uint32_t a = corner[k], b = corner[(k + 1) % 3];
+      if (key(mesh.positions[b]) < key(mesh.positions[a])) std::swap(a, b);
+      out.push_back({{key(mesh.positions[a]), key(mesh.positions[b])},
+                     {mesh.uvs[1][a], mesh.uvs[1][b], normal}});
+    }
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
+  return out;
+}
 
 struct Pixels {
   int width, height;
@@ -138,25 +165,16 @@ std::vector<double> levels_of(const std::vector<SeamPlace>& seams,
 
 std::vector<SeamPlace> find_seams(const Atlas& atlas, const std::vector<uint8_t>& mask) {
   const Pixels pixels{atlas.width, atlas.height, mask};
-  std::vector<SeamPlace> out;
-  for (size_t i = 0; i < atlas.scene.meshes.size(); ++i) {
-    const scene::Mesh& mesh = atlas.scene.meshes[i];
-    std::map<std::pair<Corner, Corner>, std::vector<Side>> edges;
-    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (atlas.chart[i][t] == scene::kNone) continue;
-      const auto& corner = mesh.triangles[t];
-      const Vec3 normal = normalize(cross(mesh.positions[corner[1]] - mesh.positions[corner[0]],
-                                          mesh.positions[corner[2]] - mesh.positions[corner[0]]));
-      for (size_t k = 0; k < 3; ++k) {
-        uint32_t a = corner[k], b = corner[(k + 1) % 3];
-        if (key(mesh.positions[b]) < key(mesh.positions[a])) std::swap(a, b);
-        edges[{key(mesh.positions[a]), key(mesh.positions[b])}].push_back(
-            {mesh.uvs[1][a], mesh.uvs[1][b], normal});
-      }
+  std::vector<std::vector<SeamPlace>> of_mesh(atlas.scene.meshes.size());
+  parallel_each(of_mesh.size(), 1, [&](size_t i) {
+    const std::vector<Edge> edges = edges_of(atlas.scene.meshes[i], atlas.chart[i]);
+    for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+      while (end < edges.size() && edges[end].ends == edges[begin].ends) ++end;
+      if (end - begin == 2) add_seam(pixels, edges[begin].side, edges[begin + 1].side, &of_mesh[i]);
     }
-    for (const auto& [ends, sides] : edges)
-      if (sides.size() == 2) add_seam(pixels, sides[0], sides[1], &out);
-  }
+  });
+  std::vector<SeamPlace> out;
+  for (const std::vector<SeamPlace>& one : of_mesh) out.insert(out.end(), one.begin(), one.end());
   return out;
 }
 

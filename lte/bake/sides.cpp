@@ -15,8 +15,9 @@ constexpr double kLitShare = 0.02;
 constexpr int64_t kDeciding = 64;
 /// Of the mean light: what is darker is looked at again, by paths that end where light is.
 constexpr float kDim = 0.01f;
-/// Places that are looked at of a texel beside lit ones.
-constexpr uint64_t kReachPlaces = 4;
+/// Rays of a patch that have found nothing, after which it is dark: as many as the search for light
+/// has for a pocket (lte/pathtrace/reach/reach.h).
+constexpr size_t kRaysOfDark = 256;
 constexpr uint64_t kBackRays = 83, kReachPaths = 85, kTurnedRays = 86;
 
 /// What a side of each chart has shown of light.
@@ -48,54 +49,44 @@ bool double_sided(const Atlas& atlas, const Texels& texels, size_t i) {
   return atlas.scene.materials[static_cast<size_t>(mesh.material)].double_sided;
 }
 
-/// Texels that have found hardly any light, in patches: those that touch in one chart.
-struct DimPatches {
-  std::vector<std::vector<size_t>> patch;
-
-  DimPatches(const Atlas& atlas, const Texels& texels, const TexelSamples& samples) {
-    double sum = 0;
-    for (size_t i = 0; i < texels.size(); ++i) sum += double{luminance(samples.sum(i))};
-    const float dim = kDim * static_cast<float>(sum / static_cast<double>(texels.size()));
-    const auto width = static_cast<uint32_t>(atlas.width);
-    std::vector<int64_t> open(size_t{width} * static_cast<size_t>(atlas.height), -1);
-    for (size_t i = 0; i < texels.size(); ++i)
-      if (luminance(samples.sum(i)) <= dim) open[texels.pixel[i]] = static_cast<int64_t>(i);
-    for (const uint32_t start : texels.pixel) {
-      if (open[start] < 0) continue;
-      std::vector<size_t>& found = patch.emplace_back();
-      std::vector<uint32_t> next{start};
-      const int32_t chart = texels.chart[static_cast<size_t>(open[start])];
-      while (!next.empty()) {
-        const uint32_t pixel = next.back();
-        next.pop_back();
-        if (pixel >= open.size() || open[pixel] < 0 ||
-            texels.chart[static_cast<size_t>(open[pixel])] != chart)
-          continue;
-        found.push_back(static_cast<size_t>(open[pixel]));
-        open[pixel] = -1;
-        for (const uint32_t other : {pixel - 1, pixel + 1, pixel - width, pixel + width})
-          next.push_back(other);
-      }
-    }
-  }
+/// Texels that have found no light or hardly any, in patches: those of a kind that touch in one
+/// chart.
+struct DimPatch {
+  bool unlit = false;  ///< none of its texels has found any
+  std::vector<size_t> texels;
 };
 
-/// Dark texels that touch others of their chart.
-std::vector<size_t> dark_beside_lit(const Atlas& atlas, const Texels& texels,
-                                    const std::vector<uint8_t>& dark) {
-  const auto width = static_cast<uint32_t>(atlas.width);
-  std::vector<int32_t> lit(size_t{width} * static_cast<size_t>(atlas.height), scene::kNone);
-  for (size_t i = 0; i < texels.size(); ++i)
-    if (dark[i] == 0) lit[texels.pixel[i]] = texels.chart[i];
-  std::vector<size_t> out;
+std::vector<DimPatch> dim_patches(const Atlas& atlas, const Texels& texels,
+                                  const TexelSamples& samples) {
+  std::vector<float> light(texels.size());
+  double sum = 0;
   for (size_t i = 0; i < texels.size(); ++i) {
-    const uint32_t pixel = texels.pixel[i];
-    const auto beside = [&](uint32_t other) {
-      return other < lit.size() && lit[other] == texels.chart[i];
-    };
-    const bool touches =
-        beside(pixel - 1) || beside(pixel + 1) || beside(pixel - width) || beside(pixel + width);
-    if (dark[i] != 0 && touches) out.push_back(i);
+    light[i] = luminance(samples.sum(i));
+    sum += double{light[i]};
+  }
+  const float dim = kDim * static_cast<float>(sum / static_cast<double>(texels.size()));
+  const auto width = static_cast<uint32_t>(atlas.width);
+  std::vector<int64_t> open(size_t{width} * static_cast<size_t>(atlas.height), -1);
+  for (size_t i = 0; i < texels.size(); ++i)
+    if (light[i] <= dim) open[texels.pixel[i]] = static_cast<int64_t>(i);
+  std::vector<DimPatch> out;
+  for (const uint32_t start : texels.pixel) {
+    if (open[start] < 0) continue;
+    const auto first = static_cast<size_t>(open[start]);
+    DimPatch& patch = out.emplace_back();
+    patch.unlit = !(light[first] > 0);
+    std::vector<uint32_t> next{start};
+    while (!next.empty()) {
+      const uint32_t pixel = next.back();
+      next.pop_back();
+      if (pixel >= open.size() || open[pixel] < 0) continue;
+      const auto i = static_cast<size_t>(open[pixel]);
+      if (texels.chart[i] != texels.chart[first] || patch.unlit == (light[i] > 0)) continue;
+      patch.texels.push_back(i);
+      open[pixel] = -1;
+      for (const uint32_t other : {pixel - 1, pixel + 1, pixel - width, pixel + width})
+        next.push_back(other);
+    }
   }
   return out;
 }
@@ -159,52 +150,47 @@ void sample_turned(const TexelSampler& sampler, const render::Integrator& integr
 }
 
 void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
-                   const std::vector<Vec3>& normals, const LightOptions& options,
-                   LightState* state) {
+                   const LightOptions& options, LightState* state) {
+  const std::vector<Vec3> normals = turned_normals(texels, state->back);
   pathtrace::ReachOptions reach;
   reach.max_depth = options.max_depth;
   reach.seed = hash_combine(options.seed, kReachPaths);
   // Not the middle, which often lies in the very plane of a wall, where both sides see it.
-  const auto reached = [&](const std::vector<size_t>& which, uint64_t place) {
+  const auto reached = [&](const std::vector<size_t>& which) {
     std::vector<Vec3> position, normal;
     for (const size_t i : which) {
-      Rng rng(hash_combine(reach.seed, place), texels.pixel[i]);
+      Rng rng(hash_combine(reach.seed, 0), texels.pixel[i]);
       position.push_back(
           place_in(atlas, texels, i, {rng.uniform(), rng.uniform(), rng.uniform()}).position);
       normal.push_back(normals[i]);
     }
     return pathtrace::reached(bvh, position, normal, pathtrace::Sides::Front, reach);
   };
-  const DimPatches dim(atlas, texels, state->samples);
+  std::vector<DimPatch> dim = dim_patches(atlas, texels, state->samples);
+  for (const DimPatch& patch : dim)
+    for (const size_t i : patch.texels) state->dark[i] = 1;
+  const size_t rays = 2 * static_cast<size_t>(options.rays);  // of a texel in two passes
+  std::erase_if(dim, [&](const DimPatch& patch) {
+    return patch.unlit && patch.texels.size() * rays >= kRaysOfDark;
+  });
   std::vector<size_t> first, rest;
-  for (const std::vector<size_t>& patch : dim.patch)
-    for (size_t k = 0; k < patch.size(); k += 1 + patch.size() / size_t{kDeciding})
-      first.push_back(patch[k]);
-  const std::vector<uint8_t> kept = reached(first, 0);
+  for (const DimPatch& patch : dim)
+    for (size_t k = 0; k < patch.texels.size(); k += 1 + patch.texels.size() / size_t{kDeciding})
+      first.push_back(patch.texels[k]);
+  const std::vector<uint8_t> kept = reached(first);
   size_t at = 0;
-  for (const std::vector<size_t>& patch : dim.patch) {
-    const size_t step = 1 + patch.size() / size_t{kDeciding};
+  for (const DimPatch& patch : dim) {
+    const size_t step = 1 + patch.texels.size() / size_t{kDeciding};
     bool any = false;
-    for (size_t k = 0; k < patch.size(); k += step) {
+    for (size_t k = 0; k < patch.texels.size(); k += step) {
       any = any || kept[at] != 0;
-      state->dark[patch[k]] = kept[at++] == 0 ? 1 : 0;
+      state->dark[patch.texels[k]] = kept[at++] == 0 ? 1 : 0;
     }
-    for (size_t k = 0; k < patch.size(); ++k) {
-      if (k % step == 0) continue;
-      state->dark[patch[k]] = 1;
-      if (any) rest.push_back(patch[k]);
-    }
+    for (size_t k = 0; any && k < patch.texels.size(); ++k)
+      if (k % step != 0) rest.push_back(patch.texels[k]);
   }
-  const std::vector<uint8_t> also = reached(rest, 0);
+  const std::vector<uint8_t> also = reached(rest);
   for (size_t k = 0; k < rest.size(); ++k) state->dark[rest[k]] = also[k] == 0 ? 1 : 0;
-  // Things cover parts of the texels at their edges.
-  std::vector<size_t> border = dark_beside_lit(atlas, texels, state->dark);
-  for (uint64_t place = 1; place < kReachPlaces; ++place) {
-    const std::vector<uint8_t> here = reached(border, place);
-    for (size_t k = 0; k < border.size(); ++k)
-      if (here[k] != 0) state->dark[border[k]] = 0;
-    std::erase_if(border, [&](size_t i) { return state->dark[i] == 0; });
-  }
 }
 
 }  // namespace lte::bake

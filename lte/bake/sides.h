@@ -23,12 +23,11 @@ Sides choose_sides(const TexelSampler& sampler, const render::Integrator& integr
 void sample_turned(const TexelSampler& sampler, const render::Integrator& integrator,
                    const Texels& texels, const std::vector<uint8_t>& back, TexelSamples* samples);
 
-/// Marks texels that light does not reach: those that have found little, by paths. Where none of
-/// some texels of a patch is reached, no texel of it is.
-/// @param normals  of the sides that are baked
-/// @param state    gets `dark`
+/// Marks texels that light does not reach: wide patches whose samples have found none, and of
+/// others that have found little those that paths do not reach. Where none of some texels of a
+/// patch is reached, no texel of it is.
+/// @param state  has samples and sides, and gets `dark`
 void find_darkness(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
-                   const std::vector<Vec3>& normals, const LightOptions& options,
-                   LightState* state);
+                   const LightOptions& options, LightState* state);
 
 }  // namespace lte::bake

@@ -41,9 +41,10 @@ Rgb TexelSamples::sum(size_t texel) const {
 
 render::PointSampling TexelSampler::sampling(uint64_t stream) const {
   render::PointSampling out;
-  out.rays = options_.rays;
-  out.light_samples = options_.direct ? options_.light_samples : 0;
+  out.rays = 1;
+  out.light_samples = options_.direct ? 1 : 0;
   out.near_hits = options_.max_depth;
+  out.together = options_.rays;
   out.seed = stream;
   return out;
 }
@@ -77,21 +78,33 @@ void TexelSampler::pass(const render::Integrator& integrator, std::span<const ui
         block.push_back(i);
     }
     if (block.empty()) return;
-    std::vector<Vec3> position(block.size()), normal(block.size());
+    // Each ray has a place of its own; the rays of a texel stand beside each other, where numbers
+    // are stratified.
+    const auto rays = static_cast<size_t>(options_.rays);
+    std::vector<Vec3> position(block.size() * rays), normal(block.size() * rays);
     parallel_for(static_cast<int64_t>(block.size()), 512, [&](int64_t first, int64_t end) {
       for (auto i = static_cast<size_t>(first); i < static_cast<size_t>(end); ++i) {
-        const TexelPlace place = place_in(atlas_, texels_, block[i], numbers(block[i], number));
-        position[i] = place.position;
         const auto chart = static_cast<size_t>(texels_.chart[block[i]]);
-        normal[i] = back[chart] != 0 ? -place.normal : place.normal;
+        for (size_t k = 0; k < rays; ++k) {
+          const TexelPlace place =
+              place_in(atlas_, texels_, block[i],
+                       numbers(block[i], number * options_.rays + static_cast<int>(k)));
+          position[i * rays + k] = place.position;
+          normal[i * rays + k] = back[chart] != 0 ? -place.normal : place.normal;
+        }
       }
     });
-    one.first_index = static_cast<int64_t>(begin);
+    one.first_index = static_cast<int64_t>(begin * rays);
     const render::PointIrradiance found = integrator.irradiance({position, normal}, one);
-    for (size_t i = 0; i < block.size(); ++i) {
-      samples->indirect[half][block[i]] += found.indirect[i];
-      if (!found.direct.empty()) samples->direct[half][block[i]] += found.direct[i];
-    }
+    const auto add = [&](const std::vector<Rgb>& from, std::vector<Rgb>* to) {
+      for (size_t i = 0; i < block.size() && !from.empty(); ++i) {
+        Rgb sum;
+        for (size_t k = 0; k < rays; ++k) sum += from[i * rays + k];
+        (*to)[block[i]] += sum / static_cast<float>(rays);
+      }
+    };
+    add(found.indirect, &samples->indirect[half]);
+    add(found.direct, &samples->direct[half]);
   };
   // Threads take whole blocks where there are enough: many have few texels in a late pass.
   const size_t blocks = (which.size() + kShardBlock - 1) / kShardBlock;

@@ -7,6 +7,7 @@
 
 #include "lte/bake/pixel_triangle.h"
 #include "lte/base/check.h"
+#include "lte/base/parallel_each.h"
 #include "lte/scene/triangle.h"
 
 namespace lte::bake {
@@ -14,6 +15,7 @@ namespace {
 
 /// Smaller parts of a texel are rounding.
 constexpr float kLeastArea = 1e-5f;
+constexpr int64_t kDescribed = 4096;  ///< that a thread takes at a time
 
 /// A convex polygon: a triangle cut by a square has 7 corners at most.
 struct Polygon {
@@ -59,35 +61,62 @@ Polygon part_in(const std::array<Vec2, 3>& uv, int x, int y) {
 }
 
 struct PixelFragment {
+  uint64_t order;  ///< block_order() of the pixel
   uint32_t pixel;
   int32_t chart;
   Fragment fragment;
 };
 
-void rasterize(const Atlas& atlas, size_t instance, size_t triangle,
-               std::vector<PixelFragment>* out, std::vector<Vec2>* corners) {
-  const PixelTriangle shape(atlas.scene.meshes[instance], triangle, atlas.width, atlas.height);
-  shape.for_pixels(0, [&](int x, int y) {
-    const Polygon part = part_in(shape.corners(), x, y);
-    const float area = part.size < 3 ? 0 : 0.5f * part.twice_area();
-    if (area < kLeastArea) return;
-    out->push_back(
-        {static_cast<uint32_t>(y) * static_cast<uint32_t>(atlas.width) + static_cast<uint32_t>(x),
-         atlas.chart[instance][triangle],
-         {static_cast<int32_t>(instance), static_cast<uint32_t>(triangle), area,
-          static_cast<uint32_t>(corners->size()), static_cast<uint32_t>(part.size)}});
-    for (size_t k = 0; k < part.size; ++k) {
-      const Vec2& p = part.corner[k];
-      corners->push_back(
-          shape.barycentric({p.x + static_cast<float>(x), p.y + static_cast<float>(y)}));
-    }
-  });
-}
+/// What triangles have in pixels, in their order.
+struct Parts {
+  std::vector<PixelFragment> fragments;
+  std::vector<Vec2> corners;
+};
 
 /// A number by which pixels stand in blocks of 8 x 8.
 uint64_t block_order(uint32_t pixel, uint32_t width) {
   const uint32_t x = pixel % width, y = pixel / width;
   return ((uint64_t{y / 8} * ((width + 7) / 8) + x / 8) << 6) | ((y % 8) * 8 + x % 8);
+}
+
+void rasterize(const Atlas& atlas, size_t instance, size_t triangle, Parts* out) {
+  const PixelTriangle shape(atlas.scene.meshes[instance], triangle, atlas.width, atlas.height);
+  const auto width = static_cast<uint32_t>(atlas.width);
+  shape.for_pixels(0, [&](int x, int y) {
+    const Polygon part = part_in(shape.corners(), x, y);
+    const float area = part.size < 3 ? 0 : 0.5f * part.twice_area();
+    if (area < kLeastArea) return;
+    const uint32_t pixel = static_cast<uint32_t>(y) * width + static_cast<uint32_t>(x);
+    out->fragments.push_back(
+        {block_order(pixel, width),
+         pixel,
+         atlas.chart[instance][triangle],
+         {static_cast<int32_t>(instance), static_cast<uint32_t>(triangle), area,
+          static_cast<uint32_t>(out->corners.size()), static_cast<uint32_t>(part.size)}});
+    for (size_t k = 0; k < part.size; ++k) {
+      const Vec2& p = part.corner[k];
+      out->corners.push_back(
+          shape.barycentric({p.x + static_cast<float>(x), p.y + static_cast<float>(y)}));
+    }
+  });
+}
+
+/// Of all instances, side by side.
+Parts rasterize(const Atlas& atlas) {
+  std::vector<Parts> each(atlas.scene.instances.size());
+  parallel_each(each.size(), 1, [&](size_t i) {
+    for (size_t t = 0; t < atlas.scene.meshes[i].triangles.size(); ++t)
+      if (atlas.chart[i][t] != scene::kNone) rasterize(atlas, i, t, &each[i]);
+  });
+  Parts out;
+  for (Parts& one : each) {
+    const auto corners = static_cast<uint32_t>(out.corners.size());
+    for (PixelFragment& f : one.fragments) f.fragment.first_corner += corners;
+    out.fragments.insert(out.fragments.end(), one.fragments.begin(), one.fragments.end());
+    out.corners.insert(out.corners.end(), one.corners.begin(), one.corners.end());
+    one = {};
+  }
+  return out;
 }
 
 /// A place of a fragment's triangle.
@@ -103,25 +132,28 @@ TexelPlace place_on(const Atlas& atlas, const Fragment& f, const Vec2& uv) {
            static_cast<float>(across.z / norm)}};
 }
 
-/// The fragments of one pixel: where charts meet in it, those of the chart with the most area.
-void add_texel(const Atlas& atlas, std::span<const PixelFragment> all, Texels* out) {
+/// The chart with the most area in one pixel.
+int32_t main_chart(std::span<const PixelFragment> all) {
   int32_t chart = scene::kNone;
   float most = -1;
-  for (size_t k = 0; k < all.size(); ++k) {
+  for (const PixelFragment& one : all) {
     float area = 0;
     for (const PixelFragment& other : all)
-      if (other.chart == all[k].chart) area += other.fragment.area;
+      if (other.chart == one.chart) area += other.fragment.area;
     if (area > most) {
       most = area;
-      chart = all[k].chart;
+      chart = one.chart;
     }
   }
+  return chart;
+}
+
+/// Says what a texel is whose fragments are known.
+void describe(const Atlas& atlas, size_t texel, Texels* out) {
   Vec3 position, normal;
   double world = 0, texels = 0;
-  for (const PixelFragment& each : all) {
-    if (each.chart != chart) continue;
-    const Fragment& f = each.fragment;
-    out->fragments.push_back(f);
+  for (uint32_t k = out->first[texel]; k < out->first[texel + 1]; ++k) {
+    const Fragment& f = out->fragments[k];
     const std::span<const Vec2> part = out->part_of(f);
     Vec2 center;
     for (const Vec2& corner : part) {
@@ -140,35 +172,37 @@ void add_texel(const Atlas& atlas, std::span<const PixelFragment> all, Texels* o
         (0.5 * std::abs(double{shape.twice_area()}));
     texels += double{f.area};
   }
-  out->pixel.push_back(all.front().pixel);
-  out->chart.push_back(chart);
-  out->position.push_back(position / static_cast<float>(texels));
-  out->normal.push_back(normalize(normal));
-  out->edge.push_back(static_cast<float>(std::sqrt(world / texels)));
-  out->first.push_back(static_cast<uint32_t>(out->fragments.size()));
+  out->position[texel] = position / static_cast<float>(texels);
+  out->normal[texel] = normalize(normal);
+  out->edge[texel] = static_cast<float>(std::sqrt(world / texels));
 }
 
 }  // namespace
 
 Texels find_texels(const Atlas& atlas) {
-  std::vector<PixelFragment> all;
-  Texels out;
-  for (size_t i = 0; i < atlas.scene.instances.size(); ++i) {
-    for (size_t t = 0; t < atlas.scene.meshes[i].triangles.size(); ++t)
-      if (atlas.chart[i][t] != scene::kNone) rasterize(atlas, i, t, &all, &out.corners);
-  }
+  Parts parts = rasterize(atlas);
+  std::vector<PixelFragment>& all = parts.fragments;
   LTE_CHECK(!all.empty(), "no triangle touches a texel of the atlas");
-  const auto width = static_cast<uint32_t>(atlas.width);
-  std::stable_sort(all.begin(), all.end(), [&](const PixelFragment& a, const PixelFragment& b) {
-    return block_order(a.pixel, width) < block_order(b.pixel, width);
+  std::stable_sort(all.begin(), all.end(), [](const PixelFragment& a, const PixelFragment& b) {
+    return a.order < b.order;
   });
+  Texels out;
+  out.corners = std::move(parts.corners);
   out.first.push_back(0);
-  for (size_t begin = 0; begin < all.size();) {
-    size_t end = begin + 1;
+  for (size_t begin = 0, end = 0; begin < all.size(); begin = end) {
     while (end < all.size() && all[end].pixel == all[begin].pixel) ++end;
-    add_texel(atlas, std::span(all).subspan(begin, end - begin), &out);
-    begin = end;
+    const auto here = std::span(all).subspan(begin, end - begin);
+    const int32_t chart = main_chart(here);
+    for (const PixelFragment& one : here)
+      if (one.chart == chart) out.fragments.push_back(one.fragment);
+    out.pixel.push_back(here.front().pixel);
+    out.chart.push_back(chart);
+    out.first.push_back(static_cast<uint32_t>(out.fragments.size()));
   }
+  out.position.resize(out.size());
+  out.normal.resize(out.size());
+  out.edge.resize(out.size());
+  parallel_each(out.size(), kDescribed, [&](size_t i) { describe(atlas, i, &out); });
   return out;
 }
 

@@ -2,6 +2,8 @@
 
 #include <system_error>
 
+#include "lte/base/parallel_each.h"
+
 namespace lte {
 namespace {
 
@@ -31,9 +33,20 @@ void FileSet::write(const std::string& name, std::string_view text) {
   write(name, [&](const std::filesystem::path& path) { write_file(path, text); });
 }
 
-void FileSet::write(const std::string& name,
-                    const std::function<void(const std::filesystem::path&)>& writer) {
-  const std::filesystem::path temporary = files_.emplace_back(folder_ / name).temporary_path();
+void FileSet::write(const std::string& name, const Writer& writer) {
+  write_into(files_.emplace_back(folder_ / name).temporary_path(), name, writer);
+}
+
+void FileSet::write_all(const std::vector<std::pair<std::string, Writer>>& writers) {
+  std::vector<std::filesystem::path> temporary;
+  for (const auto& [name, writer] : writers)
+    temporary.push_back(files_.emplace_back(folder_ / name).temporary_path());
+  parallel_each(writers.size(), 1,
+                [&](size_t i) { write_into(temporary[i], writers[i].first, writers[i].second); });
+}
+
+void FileSet::write_into(const std::filesystem::path& temporary, const std::string& name,
+                         const Writer& writer) const {
   try {
     writer(temporary);
   } catch (const DiskFull& error) {

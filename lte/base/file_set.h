@@ -6,6 +6,8 @@
 #include <list>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "lte/base/file.h"
 
@@ -26,13 +28,18 @@ class FileSet {
   void write(const std::string& name, std::string_view text);
   /// The same by a function that writes a file of the name it is given. Its errors that name the
   /// temporary name the file instead.
-  void write(const std::string& name,
-             const std::function<void(const std::filesystem::path&)>& writer);
+  using Writer = std::function<void(const std::filesystem::path&)>;
+  void write(const std::string& name, const Writer& writer);
+  /// The same of several, side by side.
+  void write_all(const std::vector<std::pair<std::string, Writer>>& writers);
   void commit();
 
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
+  void write_into(const std::filesystem::path& temporary, const std::string& name,
+                  const Writer& writer) const;
+
   std::filesystem::path folder_;
   bool made_ = false;
   std::list<AtomicFile> files_;

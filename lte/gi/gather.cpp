@@ -97,10 +97,11 @@ class Gatherer : public pathtrace::LightSink {
         frame_(bvh.handles().origin),
         half_extent_(0.5f * max_component(bvh.bounds().extent())),
         sampler_(pathtrace::Sampling::Sobol, kStratified * options.rays),
-        transport_(bvh, lights, options.max_depth, kRouletteDepth, *this,
-                   CacheReader{&cache, frame_, options.near * cache.radius(), options.near_hits,
-                               spread_of(cache, options.rays), &texels_, &counts_},
-                   AimedDirections{&aims_, point_.data()}) {}
+        transport_(
+            bvh, lights, options.max_depth, kRouletteDepth, *this,
+            CacheReader{&cache, frame_, options.near * cache.radius(), options.near_hits,
+                        spread_of(cache, options.rays * options.together), &texels_, &counts_},
+            AimedDirections{&aims_, point_.data()}) {}
 
   /// @param geometric     may be empty
   /// @param first_stream  the number of the first point
@@ -110,8 +111,16 @@ class Gatherer : public pathtrace::LightSink {
     sums_.assign(positions.size(), {});
     met_.assign(positions.size(), {});
     aims_.clear();
-    for (size_t i = 0; !bright_.empty() && i < positions.size(); ++i)
-      aims_.push_back(bright_.aim(positions[i], normals[i]));
+    for (size_t i = 0; !bright_.empty() && i < positions.size(); ++i) {
+      const bool first =
+          i == 0 ||
+          (static_cast<size_t>(first_stream) + i) % static_cast<size_t>(options_.together) == 0;
+      if (first) {
+        aims_.push_back(bright_.aim(positions[i], normals[i]));
+      } else {
+        aims_.push_back(Aim(aims_.back()));
+      }
+    }
     for (size_t i = 0; i < positions.size(); ++i) {
       // The offset follows the world coordinates, as that of irradiance does.
       const Vec3& side = geometric.empty() ? normals[i] : geometric[i];
@@ -206,7 +215,9 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
   out.met.resize(positions.size());
   if (lights.empty()) return out;
   std::atomic<int64_t> rays_traced{0}, lookups{0}, misses{0};
-  parallel_for(static_cast<int64_t>(positions.size()), kGrain, [&](int64_t begin, int64_t end) {
+  // Whole blocks of paths, where points have few rays.
+  const int64_t grain = std::max<int64_t>(kGrain, kBlock / options.rays);
+  parallel_for(static_cast<int64_t>(positions.size()), grain, [&](int64_t begin, int64_t end) {
     const auto gatherer = std::make_unique<Gatherer>(bvh, lights, cache, options);
     const auto first = static_cast<size_t>(begin), count = static_cast<size_t>(end - begin);
     const auto geometric =

@@ -24,6 +24,8 @@ struct GatherOptions {
   /// Surface hits of paths that the cache does not end: those along metal, and those that leave the
   /// surfaces it knows.
   int max_depth = 5;
+  /// Points that lie side by side, by number: rays of all are aimed as those of the first.
+  int together = 1;
   uint64_t seed = 0;
 };
 

@@ -120,6 +120,7 @@ PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCach
     gi::GatherOptions options;
     options.rays = sampling.rays;
     options.near_hits = sampling.near_hits;
+    options.together = sampling.together;
     options.max_depth = max_depth;
     options.seed = sampling.seed;
     gi::Gathered gathered =

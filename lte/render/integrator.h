@@ -48,6 +48,7 @@ struct PointSampling {
   uint64_t seed = 0;
   int64_t first_index = 0;  ///< of the first point's random stream: (seed, first_index + i)
   int near_hits = 1;        ///< gi::GatherOptions::near_hits
+  int together = 1;         ///< gi::GatherOptions::together
 };
 
 /// Irradiance in W/m², an entry a point; empty where it is not wanted. Indirect light has been

@@ -38,7 +38,7 @@ TexelLight path_light(const Traced& traced, const Layout& layout, int passes, in
   LightOptions options;
   options.direct = true;
   options.passes = passes;
-  options.rays = options.light_samples = rays;
+  options.rays = rays;
   options.seed = 3;
   return light_texels(traced.get(), *path, layout.atlas, layout.texels, options);
 }
@@ -209,7 +209,7 @@ TEST(TexelLight, OfCoincidentSheetsIsThatOfTheirSide) {
       gather->prepare();
       LightOptions options;
       options.direct = true;
-      options.light_samples = 32;
+      options.rays = 32;
       for (const bool by_paths : {false, true}) {
         const TexelLight light =
             by_paths ? path_light(traced, layout, 8, 32)
