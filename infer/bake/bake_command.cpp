@@ -151,7 +151,7 @@ void add_bake_options(CLI::App& app, BakeRequest* r) {
               "made");
   r->keys.add("bend", &r->files.vertex.bend, 1e-3, 10,
               "of vertex-colors: triangles are cut until linear interpolation is off by less than "
-              "this share of the light");
+              "this share of the light, of each layer and of all");
   r->keys.add("max_triangles", &r->files.vertex.max_triangles, 1, int64_t{1} << 28,
               "of vertex-colors: triangles at most");
   app.add_flag("--validate-only", r->validate_only, "Check scene, atlas and flags, and stop");
