@@ -56,12 +56,17 @@ def outside_rows(results):
 
 
 def point_rows(results):
-    scenes = results["probe"]["scenes"]
-    return [{"method": method["name"], "rooms": len(scenes), "worth": method["worth"],
-             "least": method["least"], "cpu_seconds": method["processor_seconds"],
-             "mean_within": sum(abs(scene[method["name"]]["mean_ratio"] - 1) <= 0.05
-                                for scene in scenes)}
-            for method in results["probe"]["methods"]]
+    """By integrator the figures of its last run, with the program's own rays, and of all runs."""
+    rows = {}
+    for run in results["probe"]["methods"]:
+        figures = {"rays": run["rays"], "error": run["error"],
+                   "cpu_seconds": run["processor_seconds"]}
+        row = rows.setdefault(run["integrator"], {"runs": []})
+        row.update({"method": run["integrator"], "rooms": len(results["probe"]["scenes"]),
+                    **figures, "worth": run["worth"], "least": run["least"],
+                    "mean_within": run["mean_within"]})
+        row["runs"].append(figures)
+    return list(rows.values())
 
 
 def picture_rows(results):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the tables of docs/benchmarks.md from docs/benchmarks/*.json, and measures them.
+"""Writes tables and charts of docs/benchmarks.md from docs/benchmarks/*.json, and measures them.
 
 usage: scripts/figures/benchmarks.py                      the page, from the files that there are
        scripts/figures/benchmarks.py --run [TABLE ...]    runs the commands of tables first (all)
@@ -28,6 +28,7 @@ import subprocess
 import sys
 import textwrap
 
+from benchmark_charts import charts
 from benchmark_tables import TABLES
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -196,12 +197,13 @@ def main():
             if not args.run or table.name in args.run:
                 text = json.dumps(measure(table, args), indent=1, ensure_ascii=False) + "\n"
                 (args.docs / "benchmarks" / f"{table.name}.json").write_text(text, encoding="utf-8")
-    page = args.docs / "benchmarks.md"
-    text = page_with_tables(args.docs)
-    if not args.check:
-        page.write_text(text, encoding="utf-8")
-    elif text != page.read_text(encoding="utf-8"):
-        raise Fault(f"{page}: differs from its files: run scripts/figures/benchmarks.py")
+    written = {args.docs / "benchmarks.md": page_with_tables(args.docs), **charts(args.docs)}
+    for path, text in written.items():
+        if not args.check:
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        elif not path.exists() or text != path.read_text(encoding="utf-8"):
+            raise Fault(f"{path}: differs from its files: run scripts/figures/benchmarks.py")
 
 
 if __name__ == "__main__":

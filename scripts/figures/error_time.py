@@ -21,7 +21,8 @@ import statistics
 import sys
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 330, 64, 190, 14, 44
-COLORS = {"path": "#777777", "denoised": "#1f6fb4", "gather": "#2b9348", "network": "#d9541e"}
+COLORS = {"path": "#777777", "denoised": "#1f6fb4", "gather": "#2b9348", "network": "#d9541e",
+          "smoothed": "#8a5fb4", "Cycles": "#a37b00"}
 RESAMPLES = 2000
 LETTER, LINE = 6.3, 13  # of a label
 
@@ -106,11 +107,16 @@ def text(x, y, words, anchor="start", color="#222222"):
             f"{html.escape(words)}</text>")
 
 
-def chart(methods):
-    points = {name: (statistics.median(row["seconds"]), geometric_mean(row["error"]))
-              for name, row in methods.items()}
-    across = Axis([x for x, _ in points.values()], LEFT, WIDTH - RIGHT)
-    up = Axis([y for _, y in points.values()], HEIGHT - BOTTOM, TOP)
+def chart(points, title, joined, below):
+    """Dots on logarithmic axes, as SVG.
+
+    @param points  by name: abscissa, ordinate (a share of 1), kind in COLORS
+    @param title   of the axis of abscissas
+    @param joined  kinds whose dots a line joins, from left to right
+    @param below   kinds whose names stand below their dots, so that those of neighbours keep apart
+    """
+    across = Axis([x for x, _, _ in points.values()], LEFT, WIDTH - RIGHT)
+    up = Axis([y for _, y, _ in points.values()], HEIGHT - BOTTOM, TOP)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
            'font-family="sans-serif" font-size="12">',
            '<rect width="100%" height="100%" fill="#fff"/>']
@@ -123,25 +129,32 @@ def chart(methods):
         out.append(f'<path d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}" stroke="#ddd"/>')
         out.append(text(LEFT - 6, y + 4, f"{100 * value:g} %", "end"))
     middle = (LEFT + WIDTH - RIGHT) / 2
-    out.append(text(middle, HEIGHT - 8, "processor seconds a picture", "middle"))
-    for kind in ("path", "denoised"):
-        line = sorted((int(re.search(r"\d+", name)[0]), points[name])
-                      for name in points if kind_of(name) == kind)
-        path = " L".join(f"{across(x):.1f} {up(y):.1f}" for _, (x, y) in line)
+    out.append(text(middle, HEIGHT - 8, title, "middle"))
+    for kind in joined:
+        line = sorted((x, y) for x, y, k in points.values() if k == kind)
+        path = " L".join(f"{across(x):.1f} {up(y):.1f}" for x, y in line)
         if line:
             out.append(f'<path d="M{path}" fill="none" stroke="{COLORS[kind]}"/>')
     placed = []
-    for name, (x, y) in sorted(points.items(), key=lambda point: up(point[1][1])):
-        color = COLORS[kind_of(name)]
+    for name, (x, y, kind) in sorted(points.items(), key=lambda point: up(point[1][1])):
+        color = COLORS[kind]
         out.append(f'<circle cx="{across(x):.1f}" cy="{up(y):.1f}" r="4" fill="{color}"/>')
         # Labels of neighbours on two sides, so that they stay legible.
-        left, base = across(x) + 7, up(y) + (16 if kind_of(name) in ("path", "denoised") else -5)
+        left, base = across(x) + 7, up(y) + (16 if kind in below else -5)
         right = left + LETTER * len(name)
         while any(left < r and l < right and abs(base - b) < LINE for l, r, b in placed):
             base += 1
         placed.append((left, right, base))
-        out.append(text(left, base, name.replace("-", " "), color=color))
+        out.append(text(left, base, name, color=color))
     return "\n".join([*out, "</svg>", ""])
+
+
+def picture_chart(methods):
+    points = {name.replace("-", " "): (statistics.median(row["seconds"]),
+                                       geometric_mean(row["error"]), kind_of(name))
+              for name, row in methods.items()}
+    paths = ("path", "denoised")
+    return chart(points, "processor seconds a picture", joined=paths, below=paths)
 
 
 def main():
@@ -156,7 +169,7 @@ def main():
         methods = {k: v for k, v in methods.items() if re.fullmatch(arguments.only, k)}
     print(table(methods))
     if arguments.out:
-        arguments.out.write_text(chart(methods))
+        arguments.out.write_text(picture_chart(methods))
 
 
 if __name__ == "__main__":

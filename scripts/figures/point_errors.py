@@ -4,8 +4,9 @@
 usage: scripts/figures/point_errors.py FOLDER|SCENE ... [--work DIR] [--bin DIR] [--json FILE]
 
 lte_datagen draws points where light reaches and traces their light (--rays paths each, kept in the
-work folder); lte_probe answers there by gathered rays, over traced light and over the network's.
-Direct light is left out. The mean square of the difference is rid of the reference's own variance.
+work folder); lte_probe answers there by gathered rays, over traced light and over the network's,
+and by paths. Direct light is left out. The mean square of the difference is rid of the reference's
+own variance.
 """
 import argparse
 import csv
@@ -22,6 +23,9 @@ from sample_file import read_floats
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SUFFIXES = {".glb", ".gltf", ".pbrt", ".obj", ".ply"}
 NAMES = ("px", "py", "pz", "nx", "ny", "nz")
+# Integrators and rays a point, of path paths; the last of each are the program's own.
+RUNS = (("gather", 16), ("gather", 64), ("gather", 256), ("network", 16), ("network", 64),
+        ("network", 256), ("path", 64), ("path", 256), ("path", 1024))
 
 
 def sum_of_groups(tensor):
@@ -41,7 +45,8 @@ def processor_seconds(command):
 
 
 def measure(scene, name, args):
-    """By integrator: samples of the same error, ratio of means, processor seconds."""
+    """By integrator and rays: samples of the same error, relative error, ratio of means, processor
+    seconds."""
     sample = args.work / f"{name}-{args.points}-{args.rays}.safetensors"
     if not sample.exists():
         processor_seconds([args.bin / "lte_datagen", "bake", scene, "--out", sample, "--prune",
@@ -57,21 +62,33 @@ def measure(scene, name, args):
         rows.writerow(NAMES)
         rows.writerows([*places[3 * i:3 * i + 3], *facing[3 * i:3 * i + 3]]
                        for i in range(len(truth)))
+    mean = math.fsum(map(math.fsum, truth)) / (3 * len(truth))
     out = {}
-    for integrator in ("gather", "network"):
+    for integrator, rays in RUNS:
         seconds = processor_seconds([args.bin / "lte_probe", scene, "--points", table, "--out",
-                                     answers, "--integrator", integrator, "--quiet"])
+                                     answers, "--integrator", integrator, "--spp", str(rays),
+                                     "--quiet"])
         with open(answers, newline="") as file:
             found = [[float(row[f"total_{c}"]) - float(row[f"direct_{c}"]) for c in "rgb"]
                      for row in csv.DictReader(file)]
         square = statistics.fmean((a - b)**2 for f, t in zip(found, truth) for a, b in zip(f, t))
-        error = square - variance
-        out[integrator] = {
-            # Where the error drowns in the reference's, at least as many as the reference has.
-            "worth": args.rays * variance / error if error > variance / 10 else 10.0 * args.rays,
-            "mean_ratio": math.fsum(map(math.fsum, found)) / math.fsum(map(math.fsum, truth)),
+        # Where the error drowns in the reference's, no more is claimed than the reference can tell.
+        error = max(square - variance, variance / 10)
+        out[f"{integrator} {rays}"] = {
+            "worth": args.rays * variance / error, "error": math.sqrt(error) / mean,
+            "mean_ratio": math.fsum(map(math.fsum, found)) / (3 * len(truth) * mean),
             "processor_seconds": seconds}
     return out
+
+
+def summary(integrator, rays, scenes):
+    of = [scene[f"{integrator} {rays}"] for scene in scenes]
+    return {"integrator": integrator, "rays": rays,
+            "worth": statistics.geometric_mean(f["worth"] for f in of),
+            "least": min(f["worth"] for f in of),
+            "error": statistics.geometric_mean(f["error"] for f in of),
+            "mean_within": sum(abs(f["mean_ratio"] - 1) <= 0.05 for f in of),
+            "processor_seconds": statistics.median(f["processor_seconds"] for f in of)}
 
 
 def main():
@@ -92,21 +109,15 @@ def main():
     scenes = []
     for file in files:
         scenes.append({"name": file.name, **measure(file, file.stem, args)})
-        print(scenes[-1]["name"], *(f"{i} {scenes[-1][i]['worth']:.0f}"
-                                    for i in ("gather", "network")), flush=True)
-    methods = [{"name": integrator,
-                "worth": math.exp(statistics.fmean(math.log(s[integrator]["worth"])
-                                                   for s in scenes)),
-                "least": min(s[integrator]["worth"] for s in scenes),
-                "processor_seconds": statistics.median(s[integrator]["processor_seconds"]
-                                                       for s in scenes)}
-               for integrator in ("gather", "network")]
+        print(file.name, *(f"{name} {figures['worth']:.0f}"
+                           for name, figures in scenes[-1].items() if name != "name"), flush=True)
+    methods = [summary(integrator, rays, scenes) for integrator, rays in RUNS]
     result = {"points": args.points, "rays": args.rays, "scenes": scenes, "methods": methods}
     if args.json:
         args.json.write_text(json.dumps(result, indent=1) + "\n")
     for method in methods:
-        print(f"{method['name']}: {method['worth']:.0f} samples a point, least "
-              f"{method['least']:.0f}, {method['processor_seconds']:.2f} processor seconds")
+        print(f"{method['integrator']} {method['rays']}: {method['worth']:.0f} samples a point, "
+              f"least {method['least']:.0f}, {method['processor_seconds']:.2f} processor seconds")
 
 
 if __name__ == "__main__":

@@ -10,10 +10,12 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts" / "figures" / "benchmarks.py"
 sys.path.insert(0, str(SCRIPT.parent))
+import benchmark_charts  # noqa: E402
 import benchmark_tables  # noqa: E402
 import benchmarks  # noqa: E402
 
@@ -47,6 +49,17 @@ class Rows(unittest.TestCase):
         other["scenes"][0]["methods"]["gather"]["irradiance"]["mean_ratio"] = 1.06
         rows = benchmark_tables.outside_rows({"scenes": other})
         self.assertEqual([row["mean_within"] for row in rows], [0, 1])
+
+    def test_points_have_a_row_an_integrator_of_its_last_run(self):
+        def run(integrator, rays):
+            return {"integrator": integrator, "rays": rays, "worth": 2 * rays, "least": rays,
+                    "error": 1 / rays, "mean_within": 1, "processor_seconds": rays / 10}
+        rows = benchmark_tables.point_rows({"probe": {"scenes": [{}, {}], "methods": [
+            run("gather", 16), run("gather", 64), run("path", 256)]}})
+        self.assertEqual([(row["method"], row["rooms"], row["worth"]) for row in rows],
+                         [("gather", 2, 128), ("path", 2, 512)])
+        self.assertEqual(rows[0]["runs"], [{"rays": 16, "error": 1 / 16, "cpu_seconds": 1.6},
+                                           {"rays": 64, "error": 1 / 64, "cpu_seconds": 6.4}])
 
     def test_whole_pictures_have_means_over_rooms(self):
         dark = copy.deepcopy(OUTPUTS["scenes"])
@@ -95,6 +108,42 @@ class Rows(unittest.TestCase):
         for line in lines:
             self.assertLessEqual(len(line), benchmarks.COLUMNS - 4)
             self.assertEqual(line.count("--flag"), line.count("value"))
+
+
+class Charts(unittest.TestCase):
+    """Where dots lie, read from the SVG."""
+
+    def dots(self, svg):
+        root = xml.etree.ElementTree.fromstring(svg)
+        space = "{http://www.w3.org/2000/svg}"
+        circles = [(float(c.get("cx")), float(c.get("cy"))) for c in root.iter(space + "circle")]
+        names = [t.text for t in root.iter(space + "text") if t.get("text-anchor") == "start"]
+        return dict(zip(names, circles, strict=True))
+
+    def test_texels_are_of_the_scenes_that_all_methods_have(self):
+        def row(method, *figures):
+            return {"method": method, "scenes": {"bake": [
+                {"scene": f"{k}.glb", "processor_seconds": s, "rel_mse": e}
+                for k, (s, e) in enumerate(figures)], "million": []}}
+        few = [row("bake draft", (1, 0.04), (99, 9)), row("bake final", (4, 0.0025)),
+               row("paths 16, OIDN", (2, 0.01), (99, 9))]
+        svg = benchmark_charts.texels_chart(few)
+        self.assertIn("256,000 texels, 1 scenes", svg)
+        dots = self.dots(svg)
+        self.assertEqual(set(dots), {"bake draft", "bake final", "paths 16, OIDN"})
+        draft, middle, final = dots["bake draft"], dots["paths 16, OIDN"], dots["bake final"]
+        # Twice the time and half the error each, on logarithmic axes.
+        for axis in (0, 1):
+            self.assertAlmostEqual(middle[axis] - draft[axis], final[axis] - middle[axis], delta=.2)
+            self.assertGreater(middle[axis], draft[axis])
+
+    def test_points_have_a_dot_a_run_and_a_line_an_integrator(self):
+        rows = [{"method": "gather", "runs": [{"rays": rays, "error": 1 / rays, "cpu_seconds": rays}
+                                              for rays in (16, 64)]},
+                {"method": "path", "runs": [{"rays": 64, "error": 0.5, "cpu_seconds": 8}]}]
+        svg = benchmark_charts.points_chart(rows)
+        self.assertEqual(set(self.dots(svg)), {"gather 16", "gather 64", "path 64"})
+        self.assertEqual(svg.count('fill="none"'), 2)
 
 
 class Page(unittest.TestCase):

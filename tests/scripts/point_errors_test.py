@@ -26,7 +26,8 @@ text = json.dumps(header).encode()
 with open(sys.argv[sys.argv.index("--out") + 1], "wb") as file:
     file.write(struct.pack("<Q", len(text)) + text + body)
 """
-# Of gather a fifth too bright at two points and too dark at the others; of the network the truth.
+# Of gather a fifth too bright at two points and too dark at the others with 256 rays, twice that
+# with 64; of the network the truth.
 PROBE = """#!{python}
 import csv, sys
 flag = lambda name: sys.argv[sys.argv.index(name) + 1]
@@ -36,7 +37,8 @@ with open(flag("--out"), "w", newline="") as file:
     out.writerow([f"{{k}}_{{c}}" for k in ("total", "direct") for c in "rgb"])
     for i, row in enumerate(rows):
         assert float(row["px"]) == 3 * i and row["ny"] == "1.0"
-        off = (0.2 if i % 2 else -0.2) if flag("--integrator") == "gather" else 0
+        off = (256 / int(flag("--spp")))**0.5 * (0.2 if i % 2 else -0.2)
+        off = off if flag("--integrator") == "gather" else 0
         out.writerow([7 + 2 + off] * 3 + [7] * 3)
 """
 
@@ -65,10 +67,17 @@ class PointErrors(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         result = json.loads((self.folder / "out.json").read_text())
         self.assertEqual([scene["name"] for scene in result["scenes"]], ["a.glb", "b.obj"])
-        gather, network = result["methods"]
+        methods = {f"{m['integrator']} {m['rays']}": m for m in result["methods"]}
+        self.assertEqual(list(methods), ["gather 16", "gather 64", "gather 256", "network 16",
+                                         "network 64", "network 256", "path 64", "path 256",
+                                         "path 1024"])
+        gather, network = methods["gather 256"], methods["network 256"]
         # A path has the variance 100 * 0.01, and the answers an error of 0.04 less 0.01.
         self.assertAlmostEqual(gather["worth"], 1 / 0.03, 3)
-        self.assertAlmostEqual(result["scenes"][0]["gather"]["mean_ratio"], 1, 6)
+        self.assertAlmostEqual(gather["error"], 0.03**0.5 / 2, 6)
+        self.assertAlmostEqual(methods["gather 64"]["worth"], 1 / (0.16 - 0.01), 3)
+        self.assertAlmostEqual(result["scenes"][0]["gather 256"]["mean_ratio"], 1, 6)
+        self.assertEqual(gather["mean_within"], 2)
         self.assertAlmostEqual(network["worth"], 1000, 6,
                                "no more is claimed than the reference can tell")
 

@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Draws error against time of points and of texels from docs/benchmarks/{points,bake}.json.
+
+usage: scripts/figures/benchmark_charts.py [DOCS]    writes DOCS/images/{points,texels}_time.svg
+
+scripts/figures/benchmarks.py does so too whenever it writes its page, and its --check compares
+them. A dot is a method: mean processor seconds, and the geometric mean over scenes of the error of
+indirect light (root mean square, relative to its mean for points, to the light there for texels).
+Texels are those of the scenes in which every method was measured.
+"""
+import json
+import math
+import pathlib
+import statistics
+import sys
+
+from error_time import chart, geometric_mean
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def points_chart(rows):
+    """Of each integrator its rays a point, joined."""
+    points = {f"{row['method']} {run['rays']}": (run["cpu_seconds"], run["error"], row["method"])
+              for row in rows for run in row["runs"]}
+    return chart(points, "processor seconds of 512 points, with loading",
+                 joined=("path", "gather", "network"), below=("path",))
+
+
+def texel_kind(method):
+    for word, kind in (("bake", "gather"), ("network", "network"), ("Cycles", "Cycles"),
+                       ("smoothed", "smoothed"), ("OIDN", "denoised")):
+        if word in method:
+            return kind
+    return "path"
+
+
+def texels_chart(rows):
+    measured = {row["method"]: {scene["scene"]: scene for scene in row["scenes"].get("bake", [])}
+                for row in rows}
+    shared = set.intersection(*map(set, measured.values()))
+    points = {}
+    for method, scenes in measured.items():
+        figures = [scenes[name] for name in sorted(shared)]
+        # As in the table: two halves of a reference leave errors a little below 0.
+        error = geometric_mean([math.sqrt(max(f["rel_mse"], 1e-4)) for f in figures])
+        points[method] = (statistics.fmean(f["processor_seconds"] for f in figures), error,
+                          texel_kind(method))
+    return chart(points, f"processor seconds of 256,000 texels, {len(shared)} scenes",
+                 joined=("path", "smoothed", "denoised", "gather"), below=("gather", "denoised"))
+
+
+CHARTS = (("points", "points_time.svg", points_chart), ("bake", "texels_time.svg", texels_chart))
+
+
+def charts(docs):
+    """The charts that `docs`/benchmarks has figures for: by path their text."""
+    out = {}
+    for table, name, draw in CHARTS:
+        file = docs / "benchmarks" / f"{table}.json"
+        if file.exists():
+            out[docs / "images" / name] = draw(json.loads(file.read_text())["rows"])
+    return out
+
+
+def main():
+    docs = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs"
+    for path, text in charts(docs).items():
+        path.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
