@@ -36,9 +36,9 @@ def texel_kind(method):
 
 
 def texels_chart(rows):
-    measured = {row["method"]: {scene["scene"]: scene for scene in row["scenes"].get("bake", [])}
-                for row in rows}
-    shared = set.intersection(*map(set, measured.values()))
+    measured = {row["method"]: {scene["scene"]: scene for scene in row["scenes"]["bake"]}
+                for row in rows if row["scenes"].get("bake")}
+    shared = set.intersection(*map(set, measured.values())) if measured else set()
     points = {}
     for method, scenes in measured.items():
         figures = [scenes[name] for name in sorted(shared)]
@@ -58,8 +58,14 @@ def charts(docs):
     out = {}
     for table, name, draw in CHARTS:
         file = docs / "benchmarks" / f"{table}.json"
-        if file.exists():
+        if not file.exists():
+            continue
+        try:
             out[docs / "images" / name] = draw(json.loads(file.read_text())["rows"])
+        except KeyError as missing:
+            sys.exit(f"benchmark_charts.py: {file}: has no {missing}")
+        except ValueError as error:
+            sys.exit(f"benchmark_charts.py: {file}: no figures to draw: {error}")
     return out
 
 
