@@ -1,4 +1,4 @@
-// What error to expect of gathered light at points (docs/lab/gather.md has how often it holds).
+// What error to expect of gathered light at points (docs/points.md has how often it holds).
 #pragma once
 
 #include <span>

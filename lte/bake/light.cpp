@@ -11,13 +11,12 @@
 #include "lte/bake/texel_sampler.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
+#include "lte/gi/expected_error.h"
 
 namespace lte::bake {
 namespace {
 
 constexpr uint64_t kRays = 82, kPathRays = 84;
-/// What all samples share, relative, beyond what halves disagree by (lte_probe has found it).
-constexpr double kSharedError = 0.015;
 /// Seconds that smoothing takes a texel and kind of light, about.
 constexpr double kSmoothingSeconds = 6e-6;
 /// Steps of progress beside passes: sides, darkness, neighbours, means.
@@ -288,7 +287,7 @@ TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texe
     for (size_t h = 0; h < 2; ++h)
       for (size_t i = 0; i < direct[h].size(); ++i) light[h][i] += direct[h][i];
   }
-  out.expected_error = std::hypot(relative_error(light), by_paths ? 0 : kSharedError);
+  out.expected_error = std::hypot(relative_error(light), by_paths ? 0 : gi::kSharedError);
   for (const uint32_t i : lit_texels(state)) out.irradiance[i] = (light[0][i] + light[1][i]) * 0.5f;
   out.dark = std::move(state.dark);
   out.back = std::move(state.back);

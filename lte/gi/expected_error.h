@@ -4,7 +4,7 @@
 //
 // Rays tell their own noise. What all rays of a point share, faults of the records that they read,
 // shows in paths alone, and few paths see it barely: until they do, it is what wild rooms have had
-// (docs/metrics.md).
+// (docs/points.md).
 #pragma once
 
 namespace lte::gi {
