@@ -95,11 +95,13 @@ class Axis:
         return self.first + share * (self.last - self.first)
 
     def ticks(self):
-        for power in range(-4, 9):
-            for digit in (1, 2, 5):
-                value = digit * 10.0**power
-                if self.low <= math.log(value) <= self.high:
-                    yield value
+        """Three at least where the axis is not very short."""
+        for digits in ((1, 2, 5), (1, 1.5, 2, 3, 4, 5, 7)):
+            values = [digit * 10.0**power for power in range(-4, 9) for digit in digits]
+            shown = [value for value in values if self.low <= math.log(value) <= self.high]
+            if len(shown) >= 3:
+                break
+        return shown
 
 
 def text(x, y, words, anchor="start", color="#222222"):
