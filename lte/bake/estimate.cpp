@@ -84,37 +84,72 @@ std::array<Halves, kRounds.size()> all_means(const TexelGraph& graph, const Halv
   return out;
 }
 
-/// Samples whose rare bright paths are spread over their surroundings: in a texel alone, they would
-/// stay there as a spot.
-/// @param estimate  of the same light
-Halves without_peaks(const TexelGraph& graph, const Halves& estimate, Halves samples) {
-  std::vector<float> most(samples[0].size());
+/// Luminance that is expected of the samples of each half, with a share of the mean light.
+using Expected = std::array<std::vector<float>, 2>;
+
+void add_floor(Expected* expected) {
   double sum = 0;
-  for (size_t i = 0; i < most.size(); ++i) {
-    most[i] = luminance((estimate[0][i] + estimate[1][i]) * 0.5f);
-    sum += double{most[i]};
-  }
-  const auto points = static_cast<double>(std::max<size_t>(1, most.size()));
+  for (const std::vector<float>& half : *expected)
+    for (const float value : half) sum += double{value};
+  const auto points = static_cast<double>(2 * std::max<size_t>(1, (*expected)[0].size()));
   const auto dark = static_cast<float>(kPeakFloor * sum / points);
-  for (float& value : most) value = kPeak * (value + dark);
-  for (std::vector<Rgb>& half : samples) {
+  for (std::vector<float>& half : *expected)
+    for (float& value : half) value += dark;
+}
+
+/// Samples whose rare bright paths are spread over their surroundings: in a texel alone, they would
+/// stay there as a spot. What surroundings of few texels would have beyond what is expected of them
+/// is lost: it is not their light but that of all places that could have found it.
+Halves without_peaks(const TexelGraph& graph, const Expected& expected, Halves samples) {
+  for (size_t h = 0; h < 2; ++h) {
+    std::vector<Rgb>& half = samples[h];
     std::vector<Rgb> excess(half.size());
     for_texels(half.size(), [&](size_t i) {
-      const float light = luminance(half[i]);
-      if (light <= most[i]) return;
-      excess[i] = half[i] * (1 - most[i] / light);
-      half[i] *= most[i] / light;
+      const float light = luminance(half[i]), most = kPeak * expected[h][i];
+      if (light <= most) return;
+      excess[i] = half[i] * (1 - most / light);
+      half[i] *= most / light;
     });
     excess = graph.spread(std::move(excess), kRounds.front());
-    for_texels(half.size(), [&](size_t i) { half[i] += excess[i]; });
+    for_texels(half.size(), [&](size_t i) {
+      const float light = luminance(excess[i]);
+      half[i] += light <= expected[h][i] ? excess[i] : excess[i] * (expected[h][i] / light);
+    });
   }
   return samples;
 }
 
+/// Of each half's samples, by the means of the other: light that is bright in a small place is so
+/// in both.
+Expected expected_by_other(const std::array<Halves, kRounds.size()>& means) {
+  Expected out;
+  for (size_t h = 0; h < 2; ++h) {
+    out[h].resize(means[0][h].size());
+    for_texels(out[h].size(), [&](size_t i) {
+      for (const size_t k : {size_t{0}, kRounds.size() - 2, kRounds.size() - 1})
+        out[h][i] = std::max(out[h][i], luminance(means[k][1 - h][i]));
+    });
+  }
+  add_floor(&out);
+  return out;
+}
+
+Expected expected_by(const Halves& estimate) {
+  Expected out;
+  out[0].resize(estimate[0].size());
+  for_texels(out[0].size(),
+             [&](size_t i) { out[0][i] = luminance((estimate[0][i] + estimate[1][i]) * 0.5f); });
+  out[1] = out[0];
+  add_floor(&out);
+  return out;
+}
+
 }  // namespace
 
-Halves smooth(const TexelGraph& graph, const Halves& samples) {
-  std::array<Halves, kRounds.size()> means = all_means(graph, samples);
+Halves smooth(const TexelGraph& graph, const Halves& found) {
+  std::array<Halves, kRounds.size()> means = all_means(graph, found);
+  const Halves samples = without_peaks(graph, expected_by_other(means), found);
+  means = all_means(graph, samples);
   // Wide means would hide a dark place beside a bright one, where an error weighs most.
   const std::vector<float> weight = weights_of(means[kRounds.size() - 2]);
   Halves out = std::move(means[0]);
@@ -123,7 +158,7 @@ Halves smooth(const TexelGraph& graph, const Halves& samples) {
 }
 
 Halves correct(const TexelGraph& graph, Halves estimate, const Halves& samples) {
-  const Halves even = without_peaks(graph, estimate, samples);
+  const Halves even = without_peaks(graph, expected_by(estimate), samples);
   // Peaks are held against the way as they were: what was spread is noise that texels share.
   for (const Halves& mean : all_means(graph, even))
     draw_towards(graph, mean, samples, weights_of(estimate), kDoubt, &estimate);

@@ -32,6 +32,18 @@ TexelGraph square_graph() {
   return {bvh, {position, normal, edge, std::vector<uint8_t>(position.size())}};
 }
 
+/// Pairs of texels that nothing else is near.
+TexelGraph pairs_graph() {
+  scene::Scene scene;
+  test::add_quad(&scene, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, test::add_material(&scene, {1, 1, 1}));
+  const pathtrace::Bvh bvh(scene);
+  std::vector<Vec3> position, normal(100, Vec3{0, 1, 0});
+  for (int i = 0; i < 100; ++i)
+    position.push_back({static_cast<float>(i / 2) / 50 + static_cast<float>(i % 2) * 0.005f, 0, 0});
+  const std::vector<float> edge(position.size(), 0.005f);
+  return {bvh, {position, normal, edge, std::vector<uint8_t>(position.size())}};
+}
+
 /// Even light by kPaths paths a texel and half, of which one in `rarity` finds a lamp: the rarer,
 /// the brighter it is.
 Halves paths(double rarity, uint64_t seed) {
@@ -77,6 +89,33 @@ TEST(Estimate, PathsCorrectGatheredLight) {
     const double before = std::abs(1 - double{wrong});
     EXPECT_LT(error(correct(graph, even(wrong), paths(3, 7))), 0.5 * before) << wrong;
   }
+}
+
+TEST(Estimate, ARareBrightRayIsNoLightOfFewTexels) {
+  const TexelGraph graph = pairs_graph();
+  for (size_t i = 0; i < graph.size(); ++i) ASSERT_EQ(graph.neighbours(i).size(), 1u);
+  Halves samples;
+  samples.fill(std::vector<Rgb>(graph.size(), Rgb{1, 1, 1}));
+  samples[0][40] = Rgb{80, 80, 80};
+  const Halves light = smooth(graph, samples);
+  for (size_t i = 0; i < graph.size(); ++i)
+    EXPECT_NEAR(double{light[0][i].y + light[1][i].y} / 2, 1, 2) << i;
+  // What both halves find is there.
+  samples[1][40] = samples[0][40];
+  const Halves bright = smooth(graph, samples);
+  EXPECT_NEAR(double{bright[0][40].y + bright[1][40].y} / 2, 80, 1);
+}
+
+TEST(Estimate, RareBrightRaysOfManyTexelsKeepTheirLight) {
+  const TexelGraph graph = square_graph();
+  const Halves found = paths(300, 11);
+  const auto mean = [](const Halves& light) {
+    double sum = 0;
+    for (const std::vector<Rgb>& half : light)
+      for (const Rgb& value : half) sum += double{value.y} / 2;
+    return sum / static_cast<double>(light[0].size());
+  };
+  EXPECT_NEAR(mean(smooth(graph, found)), mean(found), 0.02);
 }
 
 }  // namespace
