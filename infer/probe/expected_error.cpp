@@ -39,11 +39,11 @@ std::vector<double> expected_errors(const GatheredProbe& gathered,
   out.reserve(gathered.indirect.size());
   for (size_t i = 0; i < gathered.indirect.size(); ++i) {
     const double here = std::pow(unit(rms(gathered.indirect[i])), 2);
-    // The variance of a variance that so many tables tell.
-    const double expected = relative * here,
-                 noise = 2 * expected * expected / (gathered.tables - 1);
+    // A variance that so many tables tell has itself a variance: twice its square, over their
+    // number less one. That of a normal error's square has no divisor; both are joined by these.
     const double spread =
-        gi::posterior_square(expected, mean_square(gathered.standard_error[i]), noise);
+        ((gathered.tables - 1) * mean_square(gathered.standard_error[i]) + relative * here) /
+        gathered.tables;
     out.push_back(
         std::sqrt(spread + shared_square(check, i) * here + mean_square(direct_error[i])));
   }

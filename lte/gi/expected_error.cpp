@@ -4,9 +4,9 @@
 
 namespace lte::gi {
 
-double posterior_square(double square, double found, double noise) {
-  const double doubt = 2 * square * square;
-  return doubt + noise > 0 ? (found * doubt + square * noise) / (doubt + noise) : found;
+double shrunk(double found, double noise, double expected) {
+  const double apart = found - expected;
+  return expected + (apart * apart > noise ? apart - noise / apart : 0);
 }
 
 double shifted_square(double off, double standard_error) {

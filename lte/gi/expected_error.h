@@ -28,11 +28,11 @@ class ErrorUnit {
   double dark_;
 };
 
-/// The mean of the square of an error that `square` is expected of, when so much was found, with
-/// noise of that variance. The square of a normal error has twice the square of its mean as its
-/// variance, and both are joined by their variances.
-/// @param square, found, noise  not negative but for `found`
-double posterior_square(double square, double found, double noise);
+/// What was found, drawn towards what was expected as noise may have made the difference: by one
+/// less the ratio of the noise to it, wholly where that is not positive (James and Stein's positive
+/// part).
+/// @param noise  variance of `found`
+double shrunk(double found, double noise, double expected);
 
 /// Empirical Bayes (Efron and Morris 1973): what light is expected to be off by, squared, of which
 /// kSharedError is known before and `off`, to a standard error, was found. Normal errors.

@@ -11,11 +11,11 @@ namespace lte::gi {
 namespace {
 
 TEST(ExpectedError, WhatWasFoundCountsAsItIsKnown) {
-  EXPECT_DOUBLE_EQ(posterior_square(0.1, 0.5, 0), 0.5);
-  EXPECT_NEAR(posterior_square(0.1, 0.5, 1e9), 0.1, 1e-8);
-  EXPECT_DOUBLE_EQ(posterior_square(0.1, 0.5, 0.02), 0.3);
-  EXPECT_DOUBLE_EQ(posterior_square(0, 0.5, 0.02), 0);
-  EXPECT_DOUBLE_EQ(posterior_square(0, 0, 0), 0);
+  EXPECT_DOUBLE_EQ(shrunk(0.5, 0, 0.1), 0.5);
+  EXPECT_DOUBLE_EQ(shrunk(0.5, 0.08, 0.1), 0.3);
+  EXPECT_DOUBLE_EQ(shrunk(-0.5, 0.18, 0.1), -0.2);
+  EXPECT_DOUBLE_EQ(shrunk(0.5, 0.17, 0.1), 0.1) << "no more than noise";
+  EXPECT_DOUBLE_EQ(shrunk(0.1, 0, 0.1), 0.1);
 }
 
 double normal(Rng* rng) {
