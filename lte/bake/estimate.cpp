@@ -19,8 +19,8 @@ constexpr int kWeightRounds = 6;
 /// neighbours are kFlatNeighbours: 4 pi times the variance, of which a round adds two thirds.
 constexpr float kFlatNeighbours = 9;
 constexpr float kWeightTexels = 4 * kPi * kWeightRounds * 2 / 3;
-/// Few bright paths make a way look right by chance: what the samples say of it counts as far as its
-/// difference from what is expected exceeds so many times its own variance, three standard errors.
+/// Few bright paths make a way look right by chance: what the samples say of it counts as far as it
+/// differs from what is expected by more than so many times its variance, three standard errors.
 constexpr float kDoubt = 9;
 /// Samples of so many times the light that is expected, and that share of the mean light, are
 /// peaks.
