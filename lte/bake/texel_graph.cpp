@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "lte/base/parallel.h"
+#include "lte/base/parallel_each.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/ray_offset.h"
 
@@ -59,18 +59,32 @@ struct CellTable {
   std::vector<uint32_t> begin, member;
 };
 
+/// Places above the surface. Below a sheet that lies closer they stay below it: light on that sheet
+/// is none of theirs.
+std::vector<Vec3> lift(const pathtrace::Bvh& bvh, const GraphPlaces& places) {
+  std::vector<Vec3> out(places.position.size());
+  const float half_extent = 0.5f * max_component(bvh.bounds().extent());
+  parallel_each(out.size(), kGrain, [&](size_t i) {
+    if (places.skipped[i] != 0) return;
+    const Vec3& normal = places.normal[i];
+    pathtrace::Ray up{pathtrace::offset_origin(places.position[i], normal, half_extent), normal};
+    up.t_max = 2 * kSight * places.edge[i];
+    const pathtrace::Hit hit = bvh.intersect(up);
+    const float height = hit.valid() ? 0.5f * hit.t : kSight * places.edge[i];
+    out[i] = up.origin + normal * height;
+  });
+  return out;
+}
+
 struct Finder {
   const pathtrace::Bvh& bvh;
   const GraphPlaces& places;
   const CellTable table;
+  const std::vector<Vec3> lifted;  ///< places, from where they see one another
 
   bool sees(size_t i, size_t j) const {
-    const auto lifted = [&](size_t k) {
-      return pathtrace::offset_origin(
-          places.position[k] + places.normal[k] * (kSight * places.edge[k]), places.normal[k]);
-    };
-    const Vec3 from = lifted(i);
-    pathtrace::Ray ray{from, lifted(j) - from};
+    const Vec3 from = lifted[i];
+    pathtrace::Ray ray{from, lifted[j] - from};
     ray.t_max = 1;
     return !bvh.occluded(ray);
   }
@@ -113,7 +127,7 @@ TexelGraph::TexelGraph(const pathtrace::Bvh& bvh, const GraphPlaces& places) {
   const size_t count = places.position.size();
   first_.assign(count + 1, 0);
   if (count == 0) return;
-  const Finder finder{bvh, places, CellTable(places)};
+  const Finder finder{bvh, places, CellTable(places), lift(bvh, places)};
   std::vector<std::vector<uint32_t>> blocks((count + kGrain - 1) / kGrain);
   std::vector<uint32_t> larger(count);
   parallel_for(static_cast<int64_t>(count), kGrain, [&](int64_t begin, int64_t end) {
