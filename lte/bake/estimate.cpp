@@ -20,7 +20,7 @@ constexpr int kWeightRounds = 6;
 constexpr float kFlatNeighbours = 9;
 constexpr float kWeightTexels = 4 * kPi * kWeightRounds * 2 / 3;
 /// Few bright paths make a way look right by chance: what the samples say of it counts as far as it
-/// differs from what is expected by more than so many times its variance, three standard errors.
+/// exceeds so many times its own variance, three standard errors.
 constexpr float kDoubt = 9;
 /// Samples of so many times the light that is expected, and that share of the mean light, are
 /// peaks.
@@ -58,7 +58,6 @@ void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& s
       if (doubt > 0) square[i] += along * along;
     }
   });
-  const auto share = static_cast<float>(doubt > 0 ? regression.expected_share(square) : 0);
   regression.spread(
       [&](std::vector<float> sum) { return graph.spread(std::move(sum), kWeightRounds); });
   // A kernel's square is a kernel of half its variance, times the sum of squared weights.
@@ -67,7 +66,7 @@ void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& s
     if (doubt > 0) {
       const float inside = static_cast<float>(graph.neighbours(i).size() + 1) / kFlatNeighbours;
       const float texels = std::max(1.0f, kWeightTexels * inside);
-      regression.shrink(i, share, doubt * square[i] / texels);
+      regression.shrink(i, doubt * square[i] / texels);
     }
     for (size_t h = 0; h < 2; ++h)
       (*estimate)[h][i] = regression.draw(i, (*estimate)[h][i], narrow[h][i]);

@@ -1,6 +1,5 @@
-// The error to expect of light that a cache or a network tells: one predicted variance, which the
-// error column of points, the check of light and what draws pictures and light maps towards paths
-// read.
+// The error to expect of light that a cache or a network tells: the error column of points, the
+// check of light and the expected error of light maps read it.
 //
 // Rays tell their own noise. What all rays of a point share, faults of the records that they read,
 // shows in paths alone, and few paths see it barely: until they do, it is what wild rooms have had
@@ -27,12 +26,6 @@ class ErrorUnit {
  private:
   double dark_;
 };
-
-/// What was found, drawn towards what was expected as noise may have made the difference: by one
-/// less the ratio of the noise to it, wholly where that is not positive (James and Stein's positive
-/// part).
-/// @param noise  variance of `found`
-double shrunk(double found, double noise, double expected);
 
 /// Empirical Bayes (Efron and Morris 1973): what light is expected to be off by, squared, of which
 /// kSharedError is known before and `off`, to a standard error, was found. Normal errors.

@@ -5,8 +5,7 @@
 // Each half of the paths is denoised by itself. The other half, whose noise it does not share, then
 // tells without bias how far the way from the gathered picture to the denoised paths goes towards
 // the truth: the weights are those of least squared error (linear regression), in squares of
-// kCombineWindow pixels. As far as noise may have made them, they are those that the whole picture
-// and the error to expect of gathered light (lte/gi/expected_error.h) foretell.
+// kCombineWindow pixels.
 #pragma once
 
 #include <array>

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "lte/base/math.h"
-#include "lte/gi/expected_error.h"
 
 namespace lte::render {
 
@@ -36,14 +35,12 @@ struct WayRegression {
     along = mean(std::move(along));
     square = mean(std::move(square));
   }
-  /// The share that all points together expect, before spread(): over the square of the way, what
-  /// `from` is off by, as all samples tell it, drawn towards gi::kSharedError (gi::shrunk()).
-  /// @param noise  variance of each point's `along`
-  double expected_share(const std::vector<float>& noise) const;
-  /// Draws the share towards the one expected where noise may have made it (gi::shrunk()).
+  /// Draws less where noise may have made the share: by one less the ratio of noise to what was
+  /// found (James and Stein's positive part), nothing where that is not positive.
   /// @param noise  variance of `along`
-  void shrink(size_t point, float share, float noise) {
-    along[point] = static_cast<float>(gi::shrunk(along[point], noise, share * square[point]));
+  void shrink(size_t point, float noise) {
+    const float found = along[point];
+    along[point] = found > 0 && found * found > noise ? found - noise / found : 0;
   }
   /// `from` drawn towards `to`; never below 0.
   Rgb draw(size_t point, const Rgb& from, const Rgb& to) const {

@@ -10,14 +10,6 @@
 namespace lte::gi {
 namespace {
 
-TEST(ExpectedError, WhatWasFoundCountsAsItIsKnown) {
-  EXPECT_DOUBLE_EQ(shrunk(0.5, 0, 0.1), 0.5);
-  EXPECT_DOUBLE_EQ(shrunk(0.5, 0.08, 0.1), 0.3);
-  EXPECT_DOUBLE_EQ(shrunk(-0.5, 0.18, 0.1), -0.2);
-  EXPECT_DOUBLE_EQ(shrunk(0.5, 0.17, 0.1), 0.1) << "no more than noise";
-  EXPECT_DOUBLE_EQ(shrunk(0.1, 0, 0.1), 0.1);
-}
-
 double normal(Rng* rng) {
   double sum = -6;  // of twelve uniform numbers
   for (int k = 0; k < 12; ++k) sum += double{rng->uniform()};
