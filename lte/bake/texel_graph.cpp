@@ -19,6 +19,9 @@ constexpr float kReach = 1.5f;
 constexpr float kOffPlane = 0.35f, kTurn = 0.9f;
 /// Height above the surface, in edges, at which neighbours see one another.
 constexpr float kSight = 0.1f;
+/// Parts of its own surface that a place is lifted through, and how far past each, in edges.
+constexpr int kBends = 4;
+constexpr float kPast = 1e-3f;
 
 using Cell = std::array<int32_t, 3>;
 
@@ -68,9 +71,18 @@ std::vector<Vec3> lift(const pathtrace::Bvh& bvh, const GraphPlaces& places) {
     if (places.skipped[i] != 0) return;
     const Vec3& normal = places.normal[i];
     pathtrace::Ray up{pathtrace::offset_origin(places.position[i], normal, half_extent), normal};
-    up.t_max = 2 * kSight * places.edge[i];
-    const pathtrace::Hit hit = bvh.intersect(up);
-    const float height = hit.valid() ? 0.5f * hit.t : kSight * places.edge[i];
+    const float edge = places.edge[i];
+    up.t_max = 2 * kSight * edge;
+    float height = kSight * edge;
+    for (int bends = 0; bends < kBends; ++bends) {
+      const pathtrace::Hit hit = bvh.intersect(up);
+      if (!hit.valid()) break;
+      if (!places.own || !places.own(i, hit)) {
+        height = 0.5f * (up.t_min + hit.t);
+        break;
+      }
+      up.t_min = hit.t + kPast * edge;
+    }
     out[i] = up.origin + normal * height;
   });
   return out;
