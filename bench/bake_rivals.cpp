@@ -48,7 +48,7 @@ void add_paths(const MeasuredScene& m, int paths, int rounds, uint64_t seed,
   const Stopwatch smoothing;
   const std::vector<uint8_t> none(light.size());
   const bake::TexelGraph graph(m.renderer.bvh(),
-                               bake::graph_places(m.layout.texels, m.normals, none));
+                               {m.layout.texels.position, m.normals, m.layout.texels.edge, none});
   const std::vector<Rgb> smooth = graph.spread(light, rounds);
   rows->push_back(measure(m, concat("paths ", paths, ", smoothed"), traced + smoothing.seconds(),
                           [&](size_t k) { return smooth[m.which[k]]; }));

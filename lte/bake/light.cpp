@@ -28,8 +28,8 @@ constexpr int kFirstLook = 8;
 const TexelGraph& graph_of(const pathtrace::Bvh& bvh, const Texels& texels, LightState* state) {
   if (!state->graph) {
     const std::vector<Vec3> normals = turned_normals(texels, state->back);
-    state->graph =
-        std::make_shared<const TexelGraph>(bvh, graph_places(texels, normals, state->dark));
+    state->graph = std::make_shared<const TexelGraph>(
+        bvh, GraphPlaces{texels.position, normals, texels.edge, state->dark});
   }
   return *state->graph;
 }
@@ -203,14 +203,6 @@ void take(const TexelSamples& from, uint32_t texel, TexelSamples* to) {
 }
 
 }  // namespace
-
-GraphPlaces graph_places(const Texels& texels, const std::vector<Vec3>& normals,
-                         const std::vector<uint8_t>& skipped) {
-  return {texels.position, normals, texels.edge, skipped,
-          [&texels](size_t i, const pathtrace::Hit& hit) {
-            return texels.has(i, hit.instance, hit.triangle);
-          }};
-}
 
 std::vector<Vec3> turned_normals(const Texels& texels, const std::vector<uint8_t>& back) {
   std::vector<Vec3> out = texels.normal;

@@ -125,10 +125,6 @@ std::vector<Rgb> trace_texels(const render::TracedScene& scene, const Atlas& atl
                               const Texels& texels, const std::vector<uint8_t>& back,
                               std::span<const uint32_t> which, const LightOptions& options);
 
-/// Texels as a graph has them. Borrows all. @param normals  turned_normals()
-GraphPlaces graph_places(const Texels& texels, const std::vector<Vec3>& normals,
-                         const std::vector<uint8_t>& skipped);
-
 /// Normals of the sides that were baked.
 std::vector<Vec3> turned_normals(const Texels& texels, const std::vector<uint8_t>& back);
 

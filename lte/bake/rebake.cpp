@@ -184,7 +184,7 @@ Kept find_changes(const render::TracedScene& before, const render::TracedScene& 
       old_sides(layout, old, out, std::vector<uint8_t>(static_cast<size_t>(layout.atlas.charts)));
   const std::vector<Vec3> normals = turned_normals(texels, back);
   const std::vector<uint8_t> none(texels.size());
-  const TexelGraph graph(now.bvh, graph_places(texels, normals, none));
+  const TexelGraph graph(now.bvh, {texels.position, normals, texels.edge, none});
   std::vector<uint32_t> which;
   for (uint32_t i = 0; i < texels.size(); ++i) {
     // Narrow things have few texels.
@@ -262,7 +262,8 @@ TexelLight rebaked_light(const pathtrace::Bvh& bvh, render::Method method, const
   const std::vector<Vec3> normals = turned_normals(texels, state.back);
   std::vector<uint8_t> skipped = state.dark;
   for (size_t i = 0; i < skipped.size(); ++i) skipped[i] |= kept.near[i] != 0 ? 0 : 1;
-  state.graph = std::make_shared<const TexelGraph>(bvh, graph_places(texels, normals, skipped));
+  state.graph = std::make_shared<const TexelGraph>(
+      bvh, GraphPlaces{texels.position, normals, texels.edge, skipped});
   TexelLight out = light_of(bvh, method, texels, options, std::move(state));
   for (size_t i = 0; i < texels.size(); ++i) {
     if (kept.changed[i] != 0) continue;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "lte/base/parallel_each.h"
+#include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/ray_offset.h"
 
@@ -19,9 +19,6 @@ constexpr float kReach = 1.5f;
 constexpr float kOffPlane = 0.35f, kTurn = 0.9f;
 /// Height above the surface, in edges, at which neighbours see one another.
 constexpr float kSight = 0.1f;
-/// Parts of its own surface that a place is lifted through, and how far past each, in edges.
-constexpr int kBends = 4;
-constexpr float kPast = 1e-3f;
 
 using Cell = std::array<int32_t, 3>;
 
@@ -62,41 +59,18 @@ struct CellTable {
   std::vector<uint32_t> begin, member;
 };
 
-/// Places above the surface. Below a sheet that lies closer they stay below it: light on that sheet
-/// is none of theirs.
-std::vector<Vec3> lift(const pathtrace::Bvh& bvh, const GraphPlaces& places) {
-  std::vector<Vec3> out(places.position.size());
-  const float half_extent = 0.5f * max_component(bvh.bounds().extent());
-  parallel_each(out.size(), kGrain, [&](size_t i) {
-    if (places.skipped[i] != 0) return;
-    const Vec3& normal = places.normal[i];
-    pathtrace::Ray up{pathtrace::offset_origin(places.position[i], normal, half_extent), normal};
-    const float edge = places.edge[i];
-    up.t_max = 2 * kSight * edge;
-    float height = kSight * edge;
-    for (int bends = 0; bends < kBends; ++bends) {
-      const pathtrace::Hit hit = bvh.intersect(up);
-      if (!hit.valid()) break;
-      if (!places.own || !places.own(i, hit)) {
-        height = 0.5f * (up.t_min + hit.t);
-        break;
-      }
-      up.t_min = hit.t + kPast * edge;
-    }
-    out[i] = up.origin + normal * height;
-  });
-  return out;
-}
-
 struct Finder {
   const pathtrace::Bvh& bvh;
   const GraphPlaces& places;
   const CellTable table;
-  const std::vector<Vec3> lifted;  ///< places, from where they see one another
 
   bool sees(size_t i, size_t j) const {
-    const Vec3 from = lifted[i];
-    pathtrace::Ray ray{from, lifted[j] - from};
+    const auto lifted = [&](size_t k) {
+      return pathtrace::offset_origin(
+          places.position[k] + places.normal[k] * (kSight * places.edge[k]), places.normal[k]);
+    };
+    const Vec3 from = lifted(i);
+    pathtrace::Ray ray{from, lifted(j) - from};
     ray.t_max = 1;
     return !bvh.occluded(ray);
   }
@@ -139,7 +113,7 @@ TexelGraph::TexelGraph(const pathtrace::Bvh& bvh, const GraphPlaces& places) {
   const size_t count = places.position.size();
   first_.assign(count + 1, 0);
   if (count == 0) return;
-  const Finder finder{bvh, places, CellTable(places), lift(bvh, places)};
+  const Finder finder{bvh, places, CellTable(places)};
   std::vector<std::vector<uint32_t>> blocks((count + kGrain - 1) / kGrain);
   std::vector<uint32_t> larger(count);
   parallel_for(static_cast<int64_t>(count), kGrain, [&](int64_t begin, int64_t end) {

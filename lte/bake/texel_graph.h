@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -16,9 +15,6 @@ struct GraphPlaces {
   std::span<const Vec3> position, normal;  ///< unit, of the side that is lit
   std::span<const float> edge;             ///< metres that the place stands for
   std::span<const uint8_t> skipped;        ///< not 0: is nobody's neighbour
-  /// Whether a hit above a place is its own surface, which a place in the middle of a bend lies
-  /// below. Empty: none is.
-  std::function<bool(size_t place, const pathtrace::Hit& hit)> own = {};
 };
 
 /// Neighbours of each place: those within kReach of its edge, on the same side of the same sheet,

@@ -179,12 +179,6 @@ void describe(const Atlas& atlas, size_t texel, Texels* out) {
 
 }  // namespace
 
-bool Texels::has(size_t texel, int instance, uint32_t triangle) const {
-  return std::any_of(
-      fragments.begin() + first[texel], fragments.begin() + first[texel + 1],
-      [&](const Fragment& f) { return f.instance == instance && f.triangle == triangle; });
-}
-
 Texels find_texels(const Atlas& atlas) {
   Parts parts = rasterize(atlas);
   std::vector<PixelFragment>& all = parts.fragments;

@@ -35,8 +35,6 @@ struct Texels {
   std::vector<float> edge;             ///< metres that a texel is wide there
 
   size_t size() const { return pixel.size(); }
-  /// Whether a texel has a part of that triangle.
-  bool has(size_t texel, int instance, uint32_t triangle) const;
   /// The convex part of its triangle that lies in the texel.
   std::span<const Vec2> part_of(const Fragment& fragment) const {
     return std::span(corners).subspan(fragment.first_corner, fragment.corners);
