@@ -39,6 +39,7 @@ void FileSet::write(const std::string& name, const Writer& writer) {
 
 void FileSet::write_all(const std::vector<std::pair<std::string, Writer>>& writers) {
   std::vector<std::filesystem::path> temporary;
+  temporary.reserve(writers.size());
   for (const auto& [name, writer] : writers)
     temporary.push_back(files_.emplace_back(folder_ / name).temporary_path());
   parallel_each(writers.size(), 1,

@@ -38,8 +38,10 @@ TexelGraph pairs_graph() {
   test::add_quad(&scene, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, test::add_material(&scene, {1, 1, 1}));
   const pathtrace::Bvh bvh(scene);
   std::vector<Vec3> position, normal(100, Vec3{0, 1, 0});
-  for (int i = 0; i < 100; ++i)
-    position.push_back({static_cast<float>(i / 2) / 50 + static_cast<float>(i % 2) * 0.005f, 0, 0});
+  for (int pair = 0; pair < 50; ++pair) {
+    const float x = static_cast<float>(pair) / 50;
+    position.insert(position.end(), {{x, 0, 0}, {x + 0.005f, 0, 0}});
+  }
   const std::vector<float> edge(position.size(), 0.005f);
   return {bvh, {position, normal, edge, std::vector<uint8_t>(position.size())}};
 }
