@@ -26,9 +26,9 @@ class FileSet {
   FileSet& operator=(const FileSet&) = delete;
 
   void write(const std::string& name, std::string_view text);
+  using Writer = std::function<void(const std::filesystem::path&)>;
   /// The same by a function that writes a file of the name it is given. Its errors that name the
   /// temporary name the file instead.
-  using Writer = std::function<void(const std::filesystem::path&)>;
   void write(const std::string& name, const Writer& writer);
   /// The same of several, side by side.
   void write_all(const std::vector<std::pair<std::string, Writer>>& writers);

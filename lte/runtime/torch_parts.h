@@ -1,6 +1,6 @@
 // The tensors and modules behind a network and its embedding, for what is LibTorch's itself: this
-// folder, lte/torchscript and benchmarks of single stages. Everything else goes through network.h
-// and embedding.h.
+// folder, lte/torchscript, training, experiments and benchmarks of single stages. Everything else
+// goes through network.h and embedding.h.
 #pragma once
 
 #include "lte/nn/points/point_set.h"

@@ -1,22 +1,15 @@
-#!/usr/bin/env python3
-"""Draws error against time of points and of texels from docs/benchmarks/{points,bake}.json.
+"""Draws error against time of points and of texels, for scripts/figures/benchmarks.py.
 
-usage: scripts/figures/benchmark_charts.py [DOCS]    writes DOCS/images/{points,texels}_time.svg
-
-scripts/figures/benchmarks.py does so too whenever it writes its page, and its --check compares
-them. A dot is a method: mean processor seconds, and the geometric mean over scenes of the error of
+A dot is a method: mean processor seconds, and the geometric mean over scenes of the error of
 indirect light (root mean square, relative to its mean for points, to the light there for texels).
 Texels are those of the scenes in which every method was measured.
 """
 import json
 import math
-import pathlib
 import statistics
 import sys
 
 from error_time import chart, geometric_mean
-
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def points_chart(rows):
@@ -67,13 +60,3 @@ def charts(docs):
         except ValueError as error:
             sys.exit(f"benchmark_charts.py: {file}: no figures to draw: {error}")
     return out
-
-
-def main():
-    docs = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs"
-    for path, text in charts(docs).items():
-        path.write_text(text)
-
-
-if __name__ == "__main__":
-    main()

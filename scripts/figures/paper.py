@@ -26,9 +26,9 @@ import shutil
 import sys
 import time
 
-import paper_page
 from benchmarks import Fault, commit, machine, run_command
-from paper_rows import ROWS
+from paper_tables import page
+from paper_tables.rows import ROWS
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -167,15 +167,15 @@ def main():
     run_rows(args.names, args)
     if args.table:
         row = next(row for row in ROWS if row.name == args.table)
-        print(paper_page.table(row, json.loads(measured(row.name, args).read_text())["rows"]))
+        print(page.table(row, json.loads(measured(row.name, args).read_text())["rows"]))
     kept = ROOT / "docs" / "paper"
     for name in args.keep:
         kept.mkdir(exist_ok=True)
         shutil.copyfile(measured(name, args), kept / f"{name}.json")
     if args.page:
-        files = {ROOT / "docs" / "paper.md": paper_page.page(kept)}
+        files = {ROOT / "docs" / "paper.md": page.page(kept)}
         files |= {ROOT / "docs" / "images" / name: text
-                  for name, text in paper_page.charts(kept).items()}
+                  for name, text in page.charts(kept).items()}
         for path, text in files.items():
             if not args.check:
                 path.write_text(text, encoding="utf-8")

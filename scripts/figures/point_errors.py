@@ -9,7 +9,6 @@ and by paths. Direct light is left out. The mean square of the difference is rid
 own variance.
 """
 import argparse
-import csv
 import json
 import math
 import pathlib
@@ -18,11 +17,10 @@ import statistics
 import subprocess
 import sys
 
+import scene_points
 from sample_file import read_floats
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SUFFIXES = {".glb", ".gltf", ".pbrt", ".obj", ".ply"}
-NAMES = ("px", "py", "pz", "nx", "ny", "nz")
 # Integrators and rays a point, of path paths; the last of each are the program's own.
 RUNS = (("gather", 16), ("gather", 64), ("gather", 256), ("network", 16), ("network", 64),
         ("network", 256), ("path", 64), ("path", 256), ("path", 1024))
@@ -38,8 +36,7 @@ def sum_of_groups(tensor):
 def processor_seconds(command):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode != 0:
-        sys.exit(f"point_errors.py: {' '.join(map(str, command))}: {done.stderr.strip()}")
+    scene_points.check(command, done)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -49,28 +46,21 @@ def measure(scene, name, args):
     seconds."""
     sample = args.work / f"{name}-{args.points}-{args.rays}.safetensors"
     if not sample.exists():
-        processor_seconds([args.bin / "lte_datagen", "bake", scene, "--out", sample, "--prune",
-                           "--scene-points", "64", "--views", "0", "--quiet",
-                           "--queries", str(args.points), "--rays", str(args.rays)])
+        processor_seconds(scene_points.bake_command(args, scene, sample, args.rays))
     indirect, (noise, _), (places, _), (facing, _) = read_floats(
         sample, "indirect", "variance", "query_position", "query_normal")
     truth = sum_of_groups(indirect)
     variance = statistics.fmean(noise)  # of the mean over all rays
     table, answers = args.work / f"{name}.csv", args.work / f"{name}-light.csv"
-    with open(table, "w", newline="") as file:
-        rows = csv.writer(file)
-        rows.writerow(NAMES)
-        rows.writerows([*places[3 * i:3 * i + 3], *facing[3 * i:3 * i + 3]]
-                       for i in range(len(truth)))
+    scene_points.write_points(table, places, facing)
     mean = math.fsum(map(math.fsum, truth)) / (3 * len(truth))
     out = {}
     for integrator, rays in RUNS:
         seconds = processor_seconds([args.bin / "lte_probe", scene, "--points", table, "--out",
                                      answers, "--integrator", integrator, "--spp", str(rays),
                                      "--quiet"])
-        with open(answers, newline="") as file:
-            found = [[float(row[f"total_{c}"]) - float(row[f"direct_{c}"]) for c in "rgb"]
-                     for row in csv.DictReader(file)]
+        found = [[row[f"total_{c}"] - row[f"direct_{c}"] for c in "rgb"]
+                 for row in scene_points.read_table(answers)]
         square = statistics.fmean((a - b)**2 for f, t in zip(found, truth) for a, b in zip(f, t))
         # Where the error drowns in the reference's, no more is claimed than the reference can tell.
         error = max(square - variance, variance / 10)
@@ -102,12 +92,8 @@ def main():
     parser.add_argument("--json", type=pathlib.Path)
     args = parser.parse_args()
     args.work.mkdir(parents=True, exist_ok=True)
-    files = []
-    for path in args.scenes:
-        inside = sorted(f for f in path.rglob("*") if f.suffix in SUFFIXES)
-        files += inside if path.is_dir() else [path]
     scenes = []
-    for file in files:
+    for file in scene_points.scene_files(args.scenes):
         scenes.append({"name": file.name, **measure(file, file.stem, args)})
         print(file.name, *(f"{name} {figures['worth']:.0f}"
                            for name, figures in scenes[-1].items() if name != "name"), flush=True)

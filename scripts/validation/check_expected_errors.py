@@ -13,7 +13,6 @@ most the root of the squares of k expected errors and k standard errors of the r
 with a normal distribution 68 % are within one and 95 % within two.
 """
 import argparse
-import csv
 import json
 import math
 import pathlib
@@ -23,21 +22,14 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts" / "figures"))
+import scene_points  # noqa: E402
 from sample_file import read_floats  # noqa: E402
 
-SUFFIXES = {".glb", ".gltf", ".pbrt", ".obj", ".ply"}
-NAMES = ("px", "py", "pz", "nx", "ny", "nz")
 
 
 def run(*command):
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"check_expected_errors.py: {' '.join(map(str, command))}: {done.stderr.strip()}")
-
-
-def rows_of(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    scene_points.check(command, subprocess.run(list(map(str, command)), capture_output=True,
+                                               text=True, check=False))
 
 
 def rms(values):
@@ -46,18 +38,15 @@ def rms(values):
 
 def draw_points(scene, table, args):
     sample = table.with_suffix(".safetensors")
-    run(args.bin / "lte_datagen", "bake", scene, "--out", sample, "--prune", "--scene-points", "64",
-        "--views", "0", "--quiet", "--queries", args.points, "--rays", "8")
+    run(*scene_points.bake_command(args, scene, sample, 8))
     (places, _), (facing, _) = read_floats(sample, "query_position", "query_normal")
-    with open(table, "w", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file)
-        rows.writerow(NAMES)
-        rows.writerows([*places[i:i + 3], *facing[i:i + 3]] for i in range(0, len(places), 3))
+    scene_points.write_points(table, places, facing)
 
 
 def embedded(scene, table, package):
     """Total light and expected error at the points of a table, as an embedding says it."""
-    points = [[row[name] for name in NAMES] for row in rows_of(table)]
+    points = [[row[name] for name in scene_points.COLUMNS]
+              for row in scene_points.read_table(table)]
     at, facing = [p[:3] for p in points], [p[3:] for p in points]
     found, error = package.Model.load().encode(package.load(scene)).irradiance(
         at, facing, direct=True, error=True)
@@ -79,13 +68,13 @@ def measure(scene, name, package, args):
         run(args.bin / "lte_probe", scene, "--points", table, "--out", out, "--integrator",
             integrator, "--quiet")
         answers[integrator] = [[*(row[f"total_{c}"] for c in "rgb"), row["expected_error"]]
-                               for row in rows_of(out)]
+                               for row in scene_points.read_table(out)]
     if package:
         answers["embedding"] = embedded(scene, table, package)
     out = {}
     for method, light in answers.items():
         within = [0, 0]
-        for found, truth in zip(light, rows_of(reference)):
+        for found, truth in zip(light, scene_points.read_table(reference)):
             off = rms([found[k] - truth[f"total_{c}"] for k, c in enumerate("rgb")])
             bar = math.hypot(found[3], rms([truth[f"stderr_{c}"] for c in "rgb"]))
             for k in range(2):
@@ -112,12 +101,10 @@ def main():
         print(f"without embeddings: {error}", file=sys.stderr)
     args.work.mkdir(parents=True, exist_ok=True)
     scenes = {}
-    for path in args.scenes:
-        inside = sorted(f for f in path.rglob("*") if f.suffix in SUFFIXES)
-        for file in inside if path.is_dir() else [path]:
-            scenes[file.stem] = found = measure(file, file.stem, package, args)
-            print(file.stem, *(f"{method} {100 * one:.0f} {100 * two:.0f}"
-                               for method, (one, two) in found.items()), flush=True)
+    for file in scene_points.scene_files(args.scenes):
+        scenes[file.stem] = found = measure(file, file.stem, package, args)
+        print(file.stem, *(f"{method} {100 * one:.0f} {100 * two:.0f}"
+                           for method, (one, two) in found.items()), flush=True)
     if not scenes:
         sys.exit("check_expected_errors.py: there is no scene in " +
                  ", ".join(map(str, args.scenes)))

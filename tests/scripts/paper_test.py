@@ -11,9 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts" / "figures" / "paper.py"
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SCRIPT.parent))
-import paper_cornell  # noqa: E402
-import paper_edits  # noqa: E402
-import paper_growth  # noqa: E402
+from paper_tables import cornell, edits, growth  # noqa: E402
 
 
 def area(corners):
@@ -90,11 +88,11 @@ class Paper(unittest.TestCase):
             size = int.from_bytes(data[12:16], "little")
             self.assertEqual(int.from_bytes(data[8:12], "little"), len(data))
             return json.loads(data[20:20 + size]), data[20 + size:]
-        source = ROOT / paper_edits.ROOM
+        source = ROOT / edits.ROOM
         before, rest = parts(source)
-        for change in ("none", *paper_edits.CHANGES):
+        for change in ("none", *edits.CHANGES):
             target = pathlib.Path(self.folder.name) / "room.glb"
-            paper_edits.changed_room(source, target, change)
+            edits.changed_room(source, target, change)
             after, same = parts(target)
             self.assertEqual(rest, same)
             differs = sum(a != b for key in ("nodes", "materials")
@@ -105,10 +103,10 @@ class Paper(unittest.TestCase):
 
     def test_a_power_law_has_its_exponent_and_an_interval(self):
         xs = (10, 30, 100, 300, 1000)
-        slope, half = paper_growth.power_law([(x, 5 * x ** -0.4) for x in xs])
+        slope, half = growth.power_law([(x, 5 * x ** -0.4) for x in xs])
         self.assertAlmostEqual(slope, -0.4)
         self.assertLess(half, 1e-6)
-        _, half = paper_growth.power_law([(x, 5 * x ** -0.4 * (1.2 if i % 2 else 0.8))
+        _, half = growth.power_law([(x, 5 * x ** -0.4 * (1.2 if i % 2 else 0.8))
                                           for i, x in enumerate(xs)])
         self.assertGreater(half, 0.1)
 
@@ -141,7 +139,7 @@ pathlib.Path(words[words.index("--json") + 1]).write_text(json.dumps(
 
     def test_a_triangle_is_filled_by_smaller_ones_wound_alike(self):
         corners = ((0.0, 0.0, 1.0), (2.0, 0.5, 0.0), (-1.0, 3.0, 0.5))
-        positions, triangles = paper_cornell.divided(corners, 5)
+        positions, triangles = cornell.divided(corners, 5)
         self.assertEqual(len(triangles), 25)
         for triangle in triangles:
             for part, whole in zip(area([positions[i] for i in triangle]), area(corners)):
@@ -150,9 +148,9 @@ pathlib.Path(words[words.index("--json") + 1]).write_text(json.dumps(
     def test_the_box_keeps_its_surface(self):
         with tempfile.TemporaryDirectory() as folder:
             box = pathlib.Path(folder) / "box.glb"
-            self.assertEqual(paper_cornell.tessellated(ROOT / paper_cornell.BOX, box, 3), 32 * 9)
+            self.assertEqual(cornell.tessellated(ROOT / cornell.BOX, box, 3), 32 * 9)
             again = pathlib.Path(folder) / "again.glb"
-            self.assertEqual(paper_cornell.tessellated(box, again, 2), 32 * 36)
+            self.assertEqual(cornell.tessellated(box, again, 2), 32 * 36)
 
 
 if __name__ == "__main__":

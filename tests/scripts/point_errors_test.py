@@ -2,30 +2,14 @@
 """scripts/figures/point_errors.py, on answers whose error is known."""
 import json
 import pathlib
-import subprocess
-import sys
-import tempfile
 import unittest
+
+import stand_in_tools
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "figures" / "point_errors.py"
 # A sample of two light groups, whose light is 0.5 and 1.5 at each of four points, with a variance
 # of 0.01 of the mean over all paths.
-DATAGEN = """#!{python}
-import json, struct, sys
-shapes = {{"indirect": [2, 4, 3], "variance": [4], "query_position": [4, 3],
-          "query_normal": [4, 3]}}
-values = {{"indirect": [0.5] * 12 + [1.5] * 12, "variance": [0.01] * 4,
-          "query_position": list(range(12)), "query_normal": [0, 1, 0] * 4}}
-header, body = {{"__metadata__": {{"rays": "100"}}}}, b""
-for name, shape in shapes.items():
-    data = struct.pack(f"<{{len(values[name])}}f", *values[name])
-    header[name] = {{"dtype": "F32", "shape": shape,
-                    "data_offsets": [len(body), len(body) + len(data)]}}
-    body += data
-text = json.dumps(header).encode()
-with open(sys.argv[sys.argv.index("--out") + 1], "wb") as file:
-    file.write(struct.pack("<Q", len(text)) + text + body)
-"""
+TENSORS = {"indirect": ([0.5] * 12 + [1.5] * 12, [2, 4, 3]), "variance": ([0.01] * 4, [4])}
 # Of gather a fifth too bright at two points and too dark at the others with 256 rays, twice that
 # with 64; of the network the truth.
 PROBE = """#!{python}
@@ -43,24 +27,10 @@ with open(flag("--out"), "w", newline="") as file:
 """
 
 
-class PointErrors(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        for name, text in (("lte_datagen", DATAGEN), ("lte_probe", PROBE)):
-            tool = self.folder / name
-            tool.write_text(text.format(python=sys.executable))
-            tool.chmod(0o755)
-        (self.folder / "rooms").mkdir()
-        for name in ("a.glb", "b.obj", "b.camera.json"):
-            (self.folder / "rooms" / name).touch()
-
-    def run_script(self, *more):
-        return subprocess.run(
-            [sys.executable, SCRIPT, self.folder / "rooms", "--bin", self.folder, "--work",
-             self.folder / "work", "--points", "4", "--rays", "100", *more],
-            capture_output=True, text=True, check=False)
+class PointErrors(stand_in_tools.ScriptTest):
+    SCRIPT, PROBE, TENSORS = SCRIPT, PROBE, TENSORS
+    FLAGS = ("--rays", "100")
+    HEADER = {"__metadata__": {"rays": "100"}}
 
     def test_takes_the_variance_of_the_reference_off(self):
         done = self.run_script("--json", self.folder / "out.json")
@@ -82,9 +52,7 @@ class PointErrors(unittest.TestCase):
                                "no more is claimed than the reference can tell")
 
     def test_says_which_command_failed(self):
-        (self.folder / "lte_probe").write_text(
-            "#!/bin/sh\necho 'lte_probe: no light' >&2; exit 1\n")
-        done = self.run_script()
+        done = self.run_with_a_failing_probe()
         self.assertEqual(done.returncode, 1)
         self.assertIn("lte_probe: no light", done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1)

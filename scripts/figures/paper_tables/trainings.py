@@ -3,9 +3,9 @@ alone, and take as many steps. Encoder and decoder are those of lte-base at widt
 they learn what the paper's stages have not learnt after 3,000 (docs/lab/learning.md)."""
 import dataclasses
 
-import paper_growth
-from paper_eval import generated
-from paper_words import digits, mean_of, spread_of
+from . import growth
+from .evaluation import generated
+from .words import digits, mean_of, spread_of
 
 NETWORKS = ("vanilla", "encoder", "whole")
 SEEDS = (1, 2)
@@ -112,9 +112,9 @@ def variants_line(rows):
         for name in names if name != "as trained")
 
 
-def growth(run):
+def growth_rows(run):
     """Steps by the log of lte-demo; scenes and parameters by trainings."""
-    rows = paper_growth.steps(run.root)
+    rows = growth.steps(run.root)
     for seed in SEEDS:
         trainings = [("scenes", trained(run, f"scenes-{scenes}", "whole", seed,
                                         ["--scenes", scenes]))

@@ -5,8 +5,9 @@ import math
 import random
 import struct
 
-from paper_words import digits
 from sample_file import read_floats
+
+from .words import digits
 
 ROOM = "assets/scenes/living_room.glb"
 CHANGES = ("lamp moved 1 m", "sofa moved 0.6 m", "floor green", "walls red")

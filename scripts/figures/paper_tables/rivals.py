@@ -1,6 +1,6 @@
 """What Table 1 compares the network with and lte_eval does not have: networks of other papers,
 trained here, and gathered light."""
-from paper_eval import evaluated, generated
+from .evaluation import evaluated, generated
 
 
 def training_rooms(run):

@@ -3,7 +3,7 @@ triangles takes for the same."""
 import json
 import struct
 
-from paper_words import digits
+from .words import digits
 
 BOX = "assets/scenes/cornell_box.glb"
 DIVISIONS = (1, 4, 8, 16, 32, 56)  # of each edge: 32 to 100,352 triangles

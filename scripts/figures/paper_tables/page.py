@@ -1,9 +1,9 @@
 """docs/paper.md: every table and figure of the paper, and what was measured beside it."""
 import json
 
-import paper_growth
-from paper_rows import ROWS
-from paper_words import digits
+from . import growth
+from .rows import ROWS
+from .words import digits
 
 HEAD = """# The paper's tables and figures, measured here
 
@@ -105,5 +105,5 @@ def page(folder):
 def charts(folder):
     """Pictures that the page shows of the rows, by name in docs/images."""
     path = folder / "growth.json"
-    return {"paper_growth.svg": paper_growth.chart(json.loads(path.read_text())["rows"])} \
+    return {"paper_growth.svg": growth.chart(json.loads(path.read_text())["rows"])} \
         if path.exists() else {}

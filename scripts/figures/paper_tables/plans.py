@@ -3,8 +3,8 @@ and how far from a reference by SSIM, FLIP and LPIPS."""
 import json
 import sys
 
-from paper_eval import homes
-from paper_words import digits, mean_of
+from .evaluation import homes
+from .words import digits, mean_of
 
 METHODS = (("network", ("--integrator", "network", "--checkpoint",
                         "assets/models/lte-base.safetensors")),

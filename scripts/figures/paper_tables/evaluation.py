@@ -3,7 +3,7 @@ on their pictures."""
 import json
 import statistics
 
-from paper_words import digits
+from .words import digits
 
 METHODS = (("network, decoded", "neural"), ("start without network", "light_cache"),
            ("64 paths", "path_tracing_64"), ("64 paths, denoised", "path_tracing_64_denoised"),

@@ -3,17 +3,13 @@ scripts/figures/paper.py runs the commands and writes the page."""
 import dataclasses
 import typing
 
-import paper_cornell
-import paper_edits
-import paper_growth
-import paper_plans
-import paper_trainings
-from paper_eval import (EVAL_COLUMNS, eval_line, evaluated, failures, homes, materials, size_line,
+from . import cornell, edits, growth, plans, trainings
+from .evaluation import (EVAL_COLUMNS, eval_line, evaluated, failures, homes, materials, size_line,
                         statistics_of_scenes)
-from paper_rivals import rivals
-from paper_words import digits
+from .rivals import rivals
+from .words import digits
 
-ROOM = paper_edits.ROOM
+ROOM = edits.ROOM
 
 
 @dataclasses.dataclass(frozen=True)
@@ -130,8 +126,8 @@ def by_heart_line(rows):
         f"{row['name']} {digits(row['held_out'], 2)}" for row in rows)
 
 
-def edits(run):
-    return paper_edits.measure(run, room_sample(run))
+def edited_rooms(run):
+    return edits.measure(run, room_sample(run))
 
 
 # Pictures.
@@ -171,7 +167,7 @@ ROWS = (
         "Deep Shading .071, .882; Hermosilla .171, .775",
         "4 h; 6 min", table1, eval_line, EVAL_COLUMNS),
     Row("plans", "Figure 7: SSIM, FLIP, LPIPS of plans", "six plans", "30 min; 2 min",
-        paper_plans.plans, paper_plans.line,
+        plans.plans, plans.line,
         (("home", "home"), ("method", "method"), ("SSIM", "ssim"), ("FLIP", "flip"),
          ("LPIPS", "lpips"))),
     Row("sampling", "Sampling of scene points", "no effect", "15 min; 3 min", sampling,
@@ -179,12 +175,12 @@ ROWS = (
         (("draw", "draw"), ("points", "points"), ("MSE", "mse"), ("over even", "ratio"),
          ("95 %", "ratio_interval"))),
     Row("cornell", "Cornell box by RenderFormer", "picture", "20 min; 1 min",
-        paper_cornell.cornell, paper_cornell.line,
+        cornell.cornell, cornell.line,
         (("triangles", "triangles"), ("relative MSE", "relmse"), ("FLIP", "flip"),
          ("CPU s", "cpu"), ("peak MB", "peak_rss_mb"), ("its shape: CPU s", "rf_cpu"),
          ("MB", "rf_mb"))),
-    Row("growth", "Growth", "PSNR by points alone", "2 h; 5 min", paper_trainings.growth,
-        paper_growth.line,
+    Row("growth", "Growth", "PSNR by points alone", "2 h; 5 min", trainings.growth_rows,
+        growth.line,
         (("of", "kind"), ("value", "value"), ("seed", "seed"), ("MSE", "mse"))),
     Row("statistics", "Scene statistics", "0.8 to 6 M triangles, 29 to 51 textures of 1024²",
         "8 min; 1 min", statistics_of_scenes, size_line, EVAL_COLUMNS),
@@ -193,13 +189,13 @@ ROWS = (
     Row("materials", "Failures: unusual textures", "a picture", "4 min; 1 min", materials,
         eval_line, EVAL_COLUMNS),
     Row("roadmap", "Figures 11, 12: roadmap, MSE", "vanilla .068; + encoder .084; + decoder .048",
-        "3 h; 6 min", paper_trainings.roadmap, paper_trainings.roadmap_line,
+        "3 h; 6 min", trainings.roadmap, trainings.roadmap_line,
         (("network", "network"), ("seed", "seed"), ("parameters", "parameters"), ("MSE", "mse"),
          ("MSE / mean square", "share"), ("ms a step", "step_ms"),
          ("peak MB", "peak_rss_mb"))),
     Row("hyperparameters", "Neighbours, points, D, layers, patches, queries",
         "PSNR: kappa 8 26.96, 32 34.57; 5 k points 28.51, 20 k 34.57", "6 h; 6 min",
-        paper_trainings.hyperparameters, paper_trainings.variants_line,
+        trainings.hyperparameters, trainings.variants_line,
         (("variant", "variant"), ("seed", "seed"), ("MSE / mean square", "share"),
          ("over as trained", "ratio"), ("ms a step", "step_ms"), ("peak MB", "peak_rss_mb"))),
     Row("memory", "Figure 2: memory", "1.7 and .12 MB a primitive", "10 min; 2 min", memory,
@@ -215,8 +211,8 @@ ROWS = (
         (("method", "name"), ("queries", "queries"), ("parameters", "parameters"),
          ("at first", "first"), ("half time", "middle"), ("held out", "held_out"),
          ("learnt", "learnt"))),
-    Row("edits", "Figures: light, object, albedo", "pictures", "25 min; 1 min", edits,
-        paper_edits.line,
+    Row("edits", "Figures: light, object, albedo", "pictures", "25 min; 1 min", edited_rooms,
+        edits.line,
         (("change", "change"), ("method", "method"), ("points", "points"),
          ("change over light", "size"),
          ("error of the change", "error_of_change"), ("error after", "error_after"))),

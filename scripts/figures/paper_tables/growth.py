@@ -4,7 +4,8 @@ import math
 import statistics
 
 from error_time import Axis, text
-from paper_words import digits
+
+from .words import digits
 
 # Student's t of 95 %, two-sided, by degrees of freedom.
 STUDENT = (12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26, 2.23, 2.20, 2.18)

@@ -1,0 +1,1 @@
+"""The rows of docs/paper.md. scripts/figures/paper.py runs them."""
