@@ -95,6 +95,7 @@ def main():
     args = parser.parse_args()
     sys.path.insert(0, str(args.bin.resolve().parent / "python"))
     try:
+        import numpy  # noqa: F401, which the package asks for at its first points alone
         import lte as package
     except ImportError as error:
         package = None
