@@ -48,7 +48,7 @@ def test_a_white_furnace_is_a_geometric_series(tmp_path, albedo):
         known = np.pi * sum(albedo**k for k in range(depth))
         traced = lte.trace.irradiance(box, inside, [[0, 1, 0], [0, 0, -1]], rays=4096, depth=depth)
         np.testing.assert_allclose(traced.total, known, rtol=0.01)
-        gathered = lte.irradiance(box, inside, [[0, 1, 0], [0, 0, -1]], depth=depth)
+        gathered = lte.irradiance(box, inside, [[0, 1, 0], [0, 0, -1]], spp=1024, depth=depth)
         np.testing.assert_allclose(gathered.total, known, rtol=0.02)
 
 

@@ -16,8 +16,9 @@ namespace {
 /// Texture taps a side of the grid that estimates the mean emission of a textured triangle.
 constexpr int kTaps = 4;
 
-/// Emitters beyond which a tree draws them: its walk costs about as much as a shadow ray.
-constexpr size_t kTreeThreshold = 32;
+/// Emitters beyond which a tree draws them: its walk costs about as much as a shadow ray, and
+/// halves the variance where some are near and others far. A lamp of two triangles needs none.
+constexpr size_t kTreeThreshold = 2;
 
 /// Share of a textured triangle's weight that ignores the texture, so that a bright texel between
 /// the taps is still drawn. The estimate stays unbiased whatever the weights are, as long as no

@@ -33,7 +33,7 @@ struct EmissiveTriangle {
 /// through the scene's bounding sphere but with 1/10 to 1/2 of the draws, as nobody knows how much
 /// of it gets in; with EachGroup it is drawn as often as any group.
 enum class LightChoice {
-  Automatic,  ///< Power for up to 32 emissive triangles and punctual lights, Tree for more
+  Automatic,  ///< Power for one or two emissive triangles or punctual lights, Tree for more
   Power,      ///< in proportion to its power
   Tree,       ///< by what it may bring to the point (light_tree.h); directional lights all alike
   EachGroup,  ///< every group alike, by power within it: finds a faint lamp beside bright ones
