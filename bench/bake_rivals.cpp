@@ -22,10 +22,8 @@ namespace {
 constexpr const char* kCyclesScript = "scripts/validation/cycles_light_map.py";
 
 /// Texels' light in the atlas, with the space between charts filled; what is dark stays 0.
-std::vector<float> picture_of(const MeasuredScene& m, std::vector<Rgb> light) {
-  bake::TexelLight texels = m.sides;
-  texels.irradiance = std::move(light);
-  return bake::paint(m.layout.atlas, m.layout.texels, texels, m.mask);
+std::vector<float> picture_of(const MeasuredScene& m, const std::vector<Rgb>& light) {
+  return bake::paint(m.layout.atlas, m.layout.texels, light, m.mask);
 }
 
 }  // namespace

@@ -31,14 +31,15 @@ BakeRow product(MeasuredScene* m, const std::string& name, int passes, int path_
                 uint64_t seed) {
   const Stopwatch watch;
   render::CacheSettings cache;
-  cache.records = bake::kRecords;
-  cache.seed = seed;
-  const auto integrator = render::make_gather(m->traced(), cache);
-  integrator->prepare();
   bake::LightOptions options;
   options.passes = passes;
   options.path_passes = path_passes;
   options.seed = seed;
+  cache.records = bake::kRecords;
+  cache.paths = bake::record_paths(m->layout.texels.size(), options);
+  cache.seed = seed;
+  const auto integrator = render::make_gather(m->traced(), cache);
+  integrator->prepare();
   // Where both sides are lit, chance says which is brighter.
   const bake::Sides sides{m->sides.back, 0};
   options.sides = &sides;

@@ -16,6 +16,7 @@
 #include "lte/base/timer.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/progress.h"
+#include "lte/scene/sampler.h"
 
 namespace lte::infer {
 namespace {
@@ -49,6 +50,8 @@ std::unique_ptr<render::Integrator> integrator_of(const BakeRequest& request,
   if (request.by_paths()) return render::make_path(scene, request.max_depth);
   render::CacheSettings cache = cache_settings(request);
   cache.seed = hash_combine(request.seed, kCache);
+  cache.paths = bake::record_paths(static_cast<size_t>(expected_texels(request, scene.bvh.scene())),
+                                   light_options(request));
   return render::make_gather(scene, cache, std::move(source));
 }
 
@@ -103,7 +106,8 @@ class LayerBaker {
     }
     bake::LightState all = bake::joined(states);
     if (state != nullptr) *state = all;
-    return bake::light_of(scene.bvh, integrator.method(), layout_.texels, options, std::move(all));
+    return bake::light_of(scene.bvh, integrator.method(), layout_.atlas, layout_.texels, options,
+                          std::move(all));
   }
 
  private:
@@ -153,6 +157,12 @@ bake::TexelLight bake_changes(const render::TracedScene& scene,
 }
 
 }  // namespace
+
+double expected_texels(const BakeRequest& request, const scene::Scene& scene) {
+  const bake::AtlasOptions& atlas = request.atlas;
+  return atlas.size > 0 ? std::pow(static_cast<double>(atlas.size), 2) * kAtlasUse
+                        : scene::surface_area(scene) * std::pow(atlas.texels_per_metre, 2);
+}
 
 PreparedIntegrator::PreparedIntegrator(const BakeRequest& request, const render::TracedScene& scene)
     : request_(request), scene_(scene) {

@@ -15,6 +15,12 @@
 
 namespace lte::infer {
 
+/// Of an atlas's pixels, how many are texels, about.
+inline constexpr double kAtlasUse = 0.7;
+
+/// Texels of the light map that is asked for, about: what is known before charts are made.
+double expected_texels(const BakeRequest& request, const scene::Scene& scene);
+
 /// The integrator of all light, which is prepared while charts are made: neither needs the other.
 /// With a network, whose places are texels, get() prepares it. Borrows all that it is made of.
 class PreparedIntegrator {

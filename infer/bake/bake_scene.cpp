@@ -17,7 +17,6 @@
 #include "lte/base/timer.h"
 #include "lte/cli/assets.h"
 #include "lte/cli/progress.h"
-#include "lte/scene/sampler.h"
 
 namespace lte::infer {
 namespace {
@@ -26,8 +25,6 @@ namespace {
 constexpr double kTexelBytes = 600, kLayerBytes = 36;
 /// Bytes a vertex and layer of vertex-colors: as fitted, of meshes, and in the file.
 constexpr double kVertexBytes = 36;
-/// A light map less even than that in an EXR: of pixels, how many are texels.
-constexpr double kAtlasUse = 0.7;
 /// Flags that change no sample.
 const std::set<std::string> kNoMatter = {"format", "three", "probes", "shard", "keep-samples"};
 
@@ -45,10 +42,7 @@ double lit_vertices(const BakeRequest& request, const scene::Scene& scene) {
 /// @throws runtime::NotEnoughMemory before any of it is taken
 void check_memory(const BakeRequest& request, const scene::Scene& scene,
                   const runtime::MemoryLimit& memory) {
-  const double texels =
-      request.atlas.size > 0
-          ? std::pow(static_cast<double>(request.atlas.size), 2) * kAtlasUse
-          : scene::surface_area(scene) * std::pow(request.atlas.texels_per_metre, 2);
+  const double texels = expected_texels(request, scene);
   const double layers =
       request.by_light ? static_cast<double>(std::max<size_t>(1, scene.light_groups.size())) : 1;
   const double bytes = texels / kAtlasUse * (kTexelBytes + layers * kLayerBytes) +

@@ -47,13 +47,15 @@ Lightmap make_lightmap(const pathtrace::Bvh& bvh, Layout layout, std::vector<Bak
   const std::vector<SeamPlace> seams = find_seams(layout.atlas, out.mask);
   std::set<std::string> names;
   for (const BakedLayer& layer : layers) {
-    std::vector<float> picture = paint(layout.atlas, layout.texels, layer.light, out.mask);
+    std::vector<float> picture =
+        paint(layout.atlas, layout.texels, layer.light.irradiance, out.mask);
     join_seams(seams, out.mask, &picture);
     out.layers.push_back({unique_name(layer.name, &names), std::move(picture)});
   }
   if (seam_p99 != nullptr) *seam_p99 = seam_difference(seams, out.total(), 0.99);
   out.provenance = std::move(provenance);
   out.provenance.version = version();
+  out.provenance.denoiser = all.denoiser;
   out.provenance.texels_per_metre = layout.atlas.texels_per_metre;
   out.provenance.two_sided_texels = all.two_sided;
   out.provenance.metal_instances = metal_instances(layout.atlas.scene);

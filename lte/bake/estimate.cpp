@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <utility>
 
 #include "lte/base/parallel.h"
@@ -13,15 +14,17 @@ namespace {
 
 /// Rounds of means over neighbours, wide to narrow; 0 is the texel alone.
 constexpr std::array<int, 5> kRounds = {24, 10, 4, 1, 0};
+/// Of what a denoiser has left: wide for levels that it has lost, narrow where charts part.
+constexpr std::array<int, 2> kRoundsAfterDenoising = {24, 4};
 /// Of the texels over which weights are estimated.
-constexpr int kWeightRounds = 6;
+constexpr int kWeightRounds = 12;
 /// One over the sum of a texel's squared weights after those rounds, where a texel and its
 /// neighbours are kFlatNeighbours: 4 pi times the variance, of which a round adds two thirds.
 constexpr float kFlatNeighbours = 9;
 constexpr float kWeightTexels = 4 * kPi * kWeightRounds * 2 / 3;
-/// Few bright paths make a way look right by chance: what the samples say of it counts as far as it
-/// exceeds so many times its own variance, three standard errors.
-constexpr float kDoubt = 9;
+/// Chance makes a way look right: what the samples say of it counts as far as it exceeds so many
+/// times its own variance. Of few bright paths that is three standard errors.
+constexpr float kDoubt = 1, kDoubtOfPaths = 9;
 /// Samples of so many times the light that is expected, and that share of the mean light, are
 /// peaks.
 constexpr float kPeak = 3;
@@ -44,42 +47,48 @@ std::vector<float> weights_of(const Halves& estimate) {
 
 /// Draws `estimate` towards `narrow`, of which each half comes from the same half of `samples`.
 /// @param weight  of errors, weights_of()
-/// @param doubt   kDoubt, or 0
+/// @param doubt   kDoubt or kDoubtOfPaths
 void draw_towards(const TexelGraph& graph, const Halves& narrow, const Halves& samples,
                   const std::vector<float>& weight, float doubt, Halves* estimate) {
   const size_t count = samples[0].size();
   render::WayRegression regression(count);
-  std::vector<float> square(doubt > 0 ? count : 0);
+  std::vector<float> square(count);
   for_texels(count, [&](size_t i) {
     for (size_t h = 0; h < 2; ++h) {
       const float before = regression.along[i];
       regression.add(i, weight[i], (*estimate)[h][i], narrow[h][i], samples[1 - h][i]);
       const float along = regression.along[i] - before;
-      if (doubt > 0) square[i] += along * along;
+      square[i] += along * along;
     }
   });
   regression.spread(
       [&](std::vector<float> sum) { return graph.spread(std::move(sum), kWeightRounds); });
   // A kernel's square is a kernel of half its variance, times the sum of squared weights.
-  if (doubt > 0) square = graph.spread(std::move(square), kWeightRounds / 2);
+  square = graph.spread(std::move(square), kWeightRounds / 2);
   for_texels(count, [&](size_t i) {
-    if (doubt > 0) {
-      const float inside = static_cast<float>(graph.neighbours(i).size() + 1) / kFlatNeighbours;
-      const float texels = std::max(1.0f, kWeightTexels * inside);
-      regression.shrink(i, doubt * square[i] / texels);
-    }
+    const float inside = static_cast<float>(graph.neighbours(i).size() + 1) / kFlatNeighbours;
+    const float texels = std::max(1.0f, kWeightTexels * inside);
+    regression.shrink(i, doubt * square[i] / texels);
     for (size_t h = 0; h < 2; ++h)
       (*estimate)[h][i] = regression.draw(i, (*estimate)[h][i], narrow[h][i]);
   });
 }
 
-/// Means of the samples over kRounds.
-std::array<Halves, kRounds.size()> all_means(const TexelGraph& graph, const Halves& samples) {
-  std::array<Halves, kRounds.size()> out;
+Halves means(const TexelGraph& graph, const Halves& samples, int rounds) {
+  return {graph.spread(samples[0], rounds), graph.spread(samples[1], rounds)};
+}
+
+/// The estimate and a mean of what it lacks: unlike a mean of the samples it keeps what the
+/// estimate knows in finer detail, and does not lean inwards at the ends of surfaces (Tukey's
+/// twicing).
+Halves with_mean_of_rest(const TexelGraph& graph, const Halves& samples, const Halves& estimate,
+                         int rounds) {
+  Halves out;
   for (size_t h = 0; h < 2; ++h) {
-    out.back()[h] = samples[h];
-    for (size_t k = kRounds.size() - 1; k-- > 0;)
-      out[k][h] = graph.spread(out[k + 1][h], kRounds[k] - kRounds[k + 1]);
+    std::vector<Rgb> rest(samples[h].size());
+    for_texels(rest.size(), [&](size_t i) { rest[i] = samples[h][i] - estimate[h][i]; });
+    out[h] = graph.spread(std::move(rest), rounds);
+    for_texels(out[h].size(), [&](size_t i) { out[h][i] += estimate[h][i]; });
   }
   return out;
 }
@@ -119,15 +128,15 @@ Halves without_peaks(const TexelGraph& graph, const Expected& expected, Halves s
   return samples;
 }
 
-/// Of each half's samples, by the means of the other: light that is bright in a small place is so
-/// in both.
-Expected expected_by_other(const std::array<Halves, kRounds.size()>& means) {
+/// Of each half's samples, by those and the means of the other: light that is bright in a small
+/// place is so in both.
+Expected expected_by_other(const std::array<const Halves*, 3>& found) {
   Expected out;
   for (size_t h = 0; h < 2; ++h) {
-    out[h].resize(means[0][h].size());
+    out[h].resize((*found[0])[h].size());
     for_texels(out[h].size(), [&](size_t i) {
-      for (const size_t k : {size_t{0}, kRounds.size() - 2, kRounds.size() - 1})
-        out[h][i] = std::max(out[h][i], luminance(means[k][1 - h][i]));
+      for (const Halves* mean : found)
+        out[h][i] = std::max(out[h][i], luminance((*mean)[1 - h][i]));
     });
   }
   add_floor(&out);
@@ -146,22 +155,45 @@ Expected expected_by(const Halves& estimate) {
 
 }  // namespace
 
-Halves smooth(const TexelGraph& graph, const Halves& found) {
-  std::array<Halves, kRounds.size()> means = all_means(graph, found);
-  const Halves samples = without_peaks(graph, expected_by_other(means), found);
-  means = all_means(graph, samples);
+Halves smooth(const TexelGraph& graph, const Halves& found, const Denoise& denoise) {
+  const auto wider = [&](const Halves& narrow) { return means(graph, narrow, kRounds[0] - 1); };
+  Halves narrow = means(graph, found, 1), wide = wider(narrow);
+  const Halves samples = without_peaks(graph, expected_by_other({&found, &narrow, &wide}), found);
+  narrow = means(graph, samples, 1);
+  wide = wider(narrow);
   // Wide means would hide a dark place beside a bright one, where an error weighs most.
-  const std::vector<float> weight = weights_of(means[kRounds.size() - 2]);
-  Halves out = std::move(means[0]);
-  for (size_t k = 1; k < means.size(); ++k) draw_towards(graph, means[k], samples, weight, 0, &out);
+  const std::vector<float> weight = weights_of(narrow);
+  Halves out;
+  const auto draw = [&](std::span<const int> rounds) {
+    for (const int k : rounds)
+      draw_towards(graph, with_mean_of_rest(graph, samples, out, k), samples, weight, kDoubt, &out);
+  };
+  if (denoise) {
+    for (size_t h = 0; h < 2; ++h) out[h] = denoise(found[h]);
+    // Where light is even over a chart of few pixels, a wide mean is better.
+    draw_towards(graph, wide, samples, weight, kDoubt, &out);
+    draw(kRoundsAfterDenoising);
+  } else {
+    out = wide;
+    draw(std::span(kRounds).subspan(1));
+  }
   return out;
 }
 
-Halves correct(const TexelGraph& graph, Halves estimate, const Halves& samples) {
+Halves correct(const TexelGraph& graph, Halves estimate, const Halves& samples,
+               const Denoise& denoise) {
+  const std::vector<float> weight = weights_of(estimate);
+  if (denoise) {
+    const Halves clean = {denoise(samples[0]), denoise(samples[1])};
+    draw_towards(graph, clean, samples, weight, kDoubt, &estimate);
+    return estimate;
+  }
   const Halves even = without_peaks(graph, expected_by(estimate), samples);
   // Peaks are held against the way as they were: what was spread is noise that texels share.
-  for (const Halves& mean : all_means(graph, even))
-    draw_towards(graph, mean, samples, weights_of(estimate), kDoubt, &estimate);
+  for (const int rounds : kRounds) {
+    draw_towards(graph, with_mean_of_rest(graph, even, estimate, rounds), samples, weight,
+                 kDoubtOfPaths, &estimate);
+  }
   return estimate;
 }
 

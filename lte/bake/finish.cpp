@@ -48,14 +48,44 @@ bool is_covered(const pathtrace::Bvh& bvh, const Texels& texels, const TexelLigh
   return hit.valid() && dot(hit.normal, normal) < 0;
 }
 
+/// Makes the pixels within kDilation of a chart Filled.
+void dilate(const Atlas& atlas, const Texels& texels, std::vector<uint8_t>* mask) {
+  std::vector<uint32_t> border = texels.pixel;
+  for (int round = 0; round < kDilation; ++round) {
+    std::vector<uint32_t> next;
+    for (const uint32_t pixel : border) {
+      for_pixels_around(atlas, pixel, [&](uint32_t other) {
+        if ((*mask)[other] != kOutside) return;
+        (*mask)[other] = kFilled;
+        next.push_back(other);
+      });
+    }
+    border = std::move(next);
+  }
+}
+
+std::vector<uint8_t> mask_of_texels(const Atlas& atlas, const Texels& texels,
+                                    std::span<const uint8_t> dark) {
+  std::vector<uint8_t> mask(static_cast<size_t>(atlas.width) * static_cast<size_t>(atlas.height),
+                            kOutside);
+  for (size_t i = 0; i < texels.size(); ++i)
+    mask[texels.pixel[i]] = dark[i] != 0 ? kDarkTexel : kLit;
+  return mask;
+}
+
 }  // namespace
+
+std::vector<uint8_t> make_mask(const Atlas& atlas, const Texels& texels,
+                               std::span<const uint8_t> dark) {
+  std::vector<uint8_t> mask = mask_of_texels(atlas, texels, dark);
+  dilate(atlas, texels, &mask);
+  return mask;
+}
 
 std::vector<uint8_t> make_mask(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
                                const TexelLight& light) {
   const std::vector<int32_t> chart = chart_picture(atlas, texels);
-  std::vector<uint8_t> mask(chart.size(), kOutside);
-  for (size_t i = 0; i < texels.size(); ++i)
-    mask[texels.pixel[i]] = light.dark[i] != 0 ? kDarkTexel : kLit;
+  std::vector<uint8_t> mask = mask_of_texels(atlas, texels, light.dark);
   std::vector<uint32_t> open;  // dark, and behind something
   for (size_t i = 0; i < texels.size(); ++i)
     if (light.dark[i] != 0 && !is_covered(bvh, texels, light, i)) open.push_back(texels.pixel[i]);
@@ -71,22 +101,11 @@ std::vector<uint8_t> make_mask(const pathtrace::Bvh& bvh, const Atlas& atlas, co
     for (const uint32_t pixel : found) mask[pixel] = kFilled;
     std::erase_if(open, [&](uint32_t pixel) { return mask[pixel] == kFilled; });
   }
-  std::vector<uint32_t> border = texels.pixel;
-  for (int round = 0; round < kDilation; ++round) {
-    std::vector<uint32_t> next;
-    for (const uint32_t pixel : border) {
-      for_pixels_around(atlas, pixel, [&](uint32_t other) {
-        if (mask[other] != kOutside) return;
-        mask[other] = kFilled;
-        next.push_back(other);
-      });
-    }
-    border = std::move(next);
-  }
+  dilate(atlas, texels, &mask);
   return mask;
 }
 
-std::vector<float> paint(const Atlas& atlas, const Texels& texels, const TexelLight& light,
+std::vector<float> paint(const Atlas& atlas, const Texels& texels, std::span<const Rgb> light,
                          const std::vector<uint8_t>& mask) {
   const std::vector<int32_t> chart = chart_picture(atlas, texels);
   std::vector<float> out(3 * mask.size());
@@ -95,7 +114,7 @@ std::vector<float> paint(const Atlas& atlas, const Texels& texels, const TexelLi
     const uint32_t pixel = texels.pixel[i];
     if (mask[pixel] == kFilled) continue;
     known[pixel] = 1;
-    for (size_t c = 0; c < 3; ++c) out[3 * pixel + c] = light.irradiance[i][static_cast<int>(c)];
+    for (size_t c = 0; c < 3; ++c) out[3 * pixel + c] = light[i][static_cast<int>(c)];
   }
   // Inside charts first: what lies beyond takes after them.
   for (const bool inside : {true, false}) {

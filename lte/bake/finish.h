@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lte/bake/light.h"
@@ -18,9 +19,13 @@ inline constexpr int kDilation = 4;
 std::vector<uint8_t> make_mask(const pathtrace::Bvh& bvh, const Atlas& atlas, const Texels& texels,
                                const TexelLight& light);
 
+/// The same where all dark texels are Dark. @param dark  [texels]
+std::vector<uint8_t> make_mask(const Atlas& atlas, const Texels& texels,
+                               std::span<const uint8_t> dark);
+
 /// Puts the light of texels into a picture and fills what the mask has as Filled with means of
-/// neighbours, those of the own chart first. @return [height, width, 3]
-std::vector<float> paint(const Atlas& atlas, const Texels& texels, const TexelLight& light,
+/// neighbours, those of the own chart first. @param light  [texels] @return  [height, width, 3]
+std::vector<float> paint(const Atlas& atlas, const Texels& texels, std::span<const Rgb> light,
                          const std::vector<uint8_t>& mask);
 
 }  // namespace lte::bake

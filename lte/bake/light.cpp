@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <utility>
 
+#include "lte/bake/atlas_denoiser.h"
 #include "lte/bake/rates.h"
 #include "lte/bake/sides.h"
 #include "lte/bake/texel_sampler.h"
@@ -17,8 +20,11 @@ namespace lte::bake {
 namespace {
 
 constexpr uint64_t kRays = 82, kPathRays = 84;
-/// Seconds that smoothing takes a texel and kind of light, about.
-constexpr double kSmoothingSeconds = 6e-6;
+/// Seconds that smoothing takes a texel and kind of light, about, by a denoiser where there is one.
+constexpr double kSmoothingSeconds = 1e-5;
+/// Rays of texels for each path of a record, and the least and most of those, of 2.
+constexpr double kRaysARecordPath = 4;
+constexpr int kLeastRecordPaths = 4, kMostRecordPaths = 8;
 /// Steps of progress beside passes: sides, darkness, neighbours, means.
 constexpr int kOtherSteps = 4;
 /// Passes after which the error is looked at for the first time, and whenever they have doubled.
@@ -60,10 +66,16 @@ double mean_passes(const LightState& state, const TexelSamples& samples) {
 }
 
 /// Two halves of indirect light.
-Halves indirect_of(const TexelGraph& graph, const LightState& state) {
-  Halves out = smooth(graph, state.samples.means(state.samples.indirect, state.rate));
+Halves indirect_of(const TexelGraph& graph, const LightState& state, const Denoise& denoise) {
+  Halves out = smooth(graph, state.samples.means(state.samples.indirect, state.rate), denoise);
   if (state.paths.passes[0] == 0) return out;
-  return correct(graph, std::move(out), state.paths.means(state.paths.indirect, state.rate));
+  return correct(graph, std::move(out), state.paths.means(state.paths.indirect, state.rate),
+                 denoise);
+}
+
+Denoise denoise_by(const std::optional<AtlasDenoiser>& denoiser) {
+  if (!denoiser) return {};
+  return std::cref(*denoiser);
 }
 
 /// The passes of a bake, from the first to the last.
@@ -161,7 +173,8 @@ class Bake {
   /// Whether light is known well enough.
   bool is_even() {
     const TexelGraph& graph = graph_of(scene_.bvh, texels_, &state_);
-    return relative_error(indirect_of(graph, state_)) <= options_.error;
+    const auto denoiser = AtlasDenoiser::find(atlas_, texels_, state_.dark);
+    return relative_error(indirect_of(graph, state_, denoise_by(denoiser))) <= options_.error;
   }
 
   /// Passes two by two, until texels have had `count` in the mean. The error is looked at when
@@ -203,6 +216,13 @@ void take(const TexelSamples& from, uint32_t texel, TexelSamples* to) {
 }
 
 }  // namespace
+
+int record_paths(size_t texels, const LightOptions& options) {
+  const double rays = static_cast<double>(texels) * options.rays * options.passes;
+  const double paths = rays / (kRaysARecordPath * static_cast<double>(kRecords));
+  return 1 << std::clamp(static_cast<int>(std::lround(std::log2(paths))), kLeastRecordPaths,
+                         kMostRecordPaths);
+}
 
 std::vector<Vec3> turned_normals(const Texels& texels, const std::vector<uint8_t>& back) {
   std::vector<Vec3> out = texels.normal;
@@ -272,18 +292,22 @@ LightState joined(const std::vector<LightState>& shards) {
   return out;
 }
 
-TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texels& texels,
-                    const LightOptions& options, LightState state) {
+TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Atlas& atlas,
+                    const Texels& texels, const LightOptions& options, LightState state) {
   const TexelGraph& graph = graph_of(bvh, texels, &state);
+  const auto denoiser = AtlasDenoiser::find(atlas, texels, state.dark);
+  const Denoise denoise = denoise_by(denoiser);
   const bool by_paths = method == render::Method::Path;
   TexelLight out;
   out.irradiance.resize(texels.size());
   out.two_sided = state.two_sided;
   out.passes = mean_passes(state, state.samples);
   out.paths = by_paths ? out.passes * options.rays : kPathsAPass * mean_passes(state, state.paths);
-  Halves light = indirect_of(graph, state);
+  if (denoiser) out.denoiser = denoiser->name();
+  Halves light = indirect_of(graph, state, denoise);
   if (options.direct) {
-    const Halves direct = smooth(graph, state.samples.means(state.samples.direct, state.rate));
+    const Halves direct =
+        smooth(graph, state.samples.means(state.samples.direct, state.rate), denoise);
     for (size_t h = 0; h < 2; ++h)
       for (size_t i = 0; i < direct[h].size(); ++i) light[h][i] += direct[h][i];
   }
@@ -297,7 +321,7 @@ TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texe
 
 TexelLight light_texels(const render::TracedScene& scene, const render::Integrator& integrator,
                         const Atlas& atlas, const Texels& texels, const LightOptions& options) {
-  return light_of(scene.bvh, integrator.method(), texels, options,
+  return light_of(scene.bvh, integrator.method(), atlas, texels, options,
                   sample_texels(scene, integrator, atlas, texels, options));
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "lte/bake/estimate.h"
@@ -63,12 +64,17 @@ inline constexpr int64_t kRecords = 4 * render::CacheSettings{}.records;
 /// Rays of a texel in a pass of paths that correct what was gathered.
 inline constexpr int kPathsAPass = 2;
 
+struct LightOptions;
+/// Paths of each record: as many that all of them take a small part of the time of the rays that
+/// read them, whose noise those share.
+int record_paths(size_t texels, const LightOptions& options);
+
 /// What samples are drawn. Passes alternate between two halves.
 struct LightOptions {
   bool direct = false;  ///< beside indirect light
   int passes = 8;       ///< by the integrator, mean over texels; at least 2
   /// A texel and pass, each at a place of its own in the texel; as many light samples beside them.
-  int rays = 4;
+  int rays = 3;
   int path_passes = 0;  ///< of two paths a texel, which correct what was gathered; mean, even
   int max_depth = 5;
   double seconds = INFINITY;  ///< passes after the first two end by then, and so does what follows
@@ -92,6 +98,7 @@ struct TexelLight {
   double expected_error = 0;    ///< Provenance::expected_error
   double passes = 0;            ///< by the integrator, mean over lit texels
   double paths = 0;             ///< a texel, traced to its end; mean
+  std::string denoiser;         ///< Provenance::denoiser
 };
 
 /// The sides that light reaches, without a bake. The integrator has been prepared.
@@ -109,8 +116,8 @@ LightState joined(const std::vector<LightState>& shards);
 
 /// The light of texels by samples of all of them.
 /// @param method  of the integrator
-TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Texels& texels,
-                    const LightOptions& options, LightState state);
+TexelLight light_of(const pathtrace::Bvh& bvh, render::Method method, const Atlas& atlas,
+                    const Texels& texels, const LightOptions& options, LightState state);
 
 /// Light at texels of an atlas of the scene: the two above. The integrator has been prepared.
 /// @throws lte::Error if an option is out of range

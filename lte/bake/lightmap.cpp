@@ -43,6 +43,7 @@ Json to_json(const Provenance& p) {
           {"model", p.model.empty() ? Json(nullptr) : Json(p.model)},
           {"include", p.include},
           {"version", p.version},
+          {"denoiser", p.denoiser.empty() ? Json(nullptr) : Json(p.denoiser)},
           {"seed", p.seed},
           {"seconds", p.seconds},
           {"expected_error", p.expected_error},

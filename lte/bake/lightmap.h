@@ -46,6 +46,7 @@ struct Provenance {
   std::string model;       ///< file of the network; empty without one
   std::string include;     ///< "indirect" or "full" (direct and indirect)
   std::string version;     ///< of lte
+  std::string denoiser;    ///< with its version; empty where light was smoothed without one
   uint64_t seed = 0;
   double seconds = 0;           ///< of the whole bake
   double expected_error = 0;    ///< relative: root of the mean squared error over mean square light

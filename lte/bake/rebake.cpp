@@ -264,7 +264,7 @@ TexelLight rebaked_light(const pathtrace::Bvh& bvh, render::Method method, const
   for (size_t i = 0; i < skipped.size(); ++i) skipped[i] |= kept.near[i] != 0 ? 0 : 1;
   state.graph = std::make_shared<const TexelGraph>(
       bvh, GraphPlaces{texels.position, normals, texels.edge, skipped});
-  TexelLight out = light_of(bvh, method, texels, options, std::move(state));
+  TexelLight out = light_of(bvh, method, layout.atlas, texels, options, std::move(state));
   for (size_t i = 0; i < texels.size(); ++i) {
     if (kept.changed[i] != 0) continue;
     const size_t pixel = texels.pixel[i];

@@ -109,7 +109,8 @@ Baked bake_whole(const render::TracedScene& scene, const Layout& layout, LightOp
   gather->prepare();
   Baked out;
   out.state = sample_texels(scene, *gather, layout.atlas, layout.texels, options);
-  out.light = light_of(scene.bvh, gather->method(), layout.texels, options, out.state);
+  out.light =
+      light_of(scene.bvh, gather->method(), layout.atlas, layout.texels, options, out.state);
   return out;
 }
 
