@@ -30,13 +30,13 @@ constexpr int kCyclesSamples = 64;
 BakeRow product(MeasuredScene* m, const std::string& name, int passes, int path_passes,
                 uint64_t seed) {
   const Stopwatch watch;
-  render::CacheSettings cache;
   bake::LightOptions options;
   options.passes = passes;
   options.path_passes = path_passes;
   options.seed = seed;
+  render::CacheSettings cache;
   cache.records = bake::kRecords;
-  cache.paths = bake::record_paths(m->layout.texels.size(), options);
+  cache.paths = bake::record_paths(static_cast<double>(m->layout.texels.size()), options);
   cache.seed = seed;
   const auto integrator = render::make_gather(m->traced(), cache);
   integrator->prepare();

@@ -26,18 +26,31 @@ constexpr int kProgressSteps = 1000;
 /// Passes that --time and --error may take.
 constexpr int kManyPasses = 4096;
 
-/// Passes by the word of --quality.
-bake::LightOptions light_options(const BakeRequest& request) {
+/// Mean over texels, even: they alternate between two halves. A preview has more where the light
+/// map is so small that all its rays are fewer than kPreviewRays: there rays cost little, and a
+/// denoiser is worth least.
+constexpr int kDraftPasses = 2, kPreviewPasses = 4, kFinalPasses = 16;
+constexpr double kPreviewRays = 3e6;
+
+int passes_of(Quality quality, double texels, int rays) {
+  if (quality == Quality::Draft) return kDraftPasses;
+  if (quality == Quality::Final) return kFinalPasses;
+  const double pairs = kPreviewRays / (std::max(texels, 1.0) * rays * 2);
+  return 2 *
+         static_cast<int>(std::lround(std::clamp(pairs, kPreviewPasses / 2.0, kFinalPasses / 2.0)));
+}
+
+bake::LightOptions light_options(const BakeRequest& request, const scene::Scene& scene) {
   bake::LightOptions out;
   out.direct = request.include == "full";
   out.max_depth = request.max_depth;
   out.seed = request.seed;
   const Quality quality = parse_enum<Quality>("--quality", request.quality);
-  out.passes = quality == Quality::Draft ? 2 : quality == Quality::Preview ? 4 : 16;
+  out.passes = passes_of(quality, expected_texels(request, scene), out.rays);
   // Gathered light errs where its records do, which shows when noise is gone.
   out.path_passes = quality == Quality::Final ? 16 : 0;
   if (!request.time.empty() || request.error > 0) {
-    out.passes = request.by_paths() ? kManyPasses : 4;
+    out.passes = request.by_paths() ? kManyPasses : kPreviewPasses;
     out.path_passes = kManyPasses;
     out.error = request.error;
   }
@@ -50,8 +63,8 @@ std::unique_ptr<render::Integrator> integrator_of(const BakeRequest& request,
   if (request.by_paths()) return render::make_path(scene, request.max_depth);
   render::CacheSettings cache = cache_settings(request);
   cache.seed = hash_combine(request.seed, kCache);
-  cache.paths = bake::record_paths(static_cast<size_t>(expected_texels(request, scene.bvh.scene())),
-                                   light_options(request));
+  const scene::Scene& all = scene.bvh.scene();
+  cache.paths = bake::record_paths(expected_texels(request, all), light_options(request, all));
   return render::make_gather(scene, cache, std::move(source));
 }
 
@@ -202,7 +215,7 @@ std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
   const auto integrator = prepared->get(source);
   ShownProgress progress;
   LayerBaker bake_layer(request, layout, parts);
-  bake::LightOptions options = light_options(request);
+  bake::LightOptions options = light_options(request, renderer->bvh().scene());
   options.progress = [&](double share) { progress(share); };
   options.seconds = time - timer.seconds();
   const scene::Scene& scene = renderer->bvh().scene();

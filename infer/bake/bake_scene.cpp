@@ -21,8 +21,9 @@
 namespace lte::infer {
 namespace {
 
-/// Bytes a texel beside those of its layers: fragments, places, neighbours, samples and means.
-constexpr double kTexelBytes = 600, kLayerBytes = 36;
+/// Bytes a texel beside those of its layers: fragments, places, neighbours, samples and means, and
+/// what a denoiser takes.
+constexpr double kTexelBytes = 900, kLayerBytes = 36;
 /// Bytes a vertex and layer of vertex-colors: as fitted, of meshes, and in the file.
 constexpr double kVertexBytes = 36;
 /// Flags that change no sample.

@@ -217,9 +217,9 @@ void take(const TexelSamples& from, uint32_t texel, TexelSamples* to) {
 
 }  // namespace
 
-int record_paths(size_t texels, const LightOptions& options) {
-  const double rays = static_cast<double>(texels) * options.rays * options.passes;
-  const double paths = rays / (kRaysARecordPath * static_cast<double>(kRecords));
+int record_paths(double texels, const LightOptions& options) {
+  const double rays = texels * options.rays * options.passes;
+  const double paths = std::max(1.0, rays / (kRaysARecordPath * static_cast<double>(kRecords)));
   return 1 << std::clamp(static_cast<int>(std::lround(std::log2(paths))), kLeastRecordPaths,
                          kMostRecordPaths);
 }

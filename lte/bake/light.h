@@ -64,11 +64,6 @@ inline constexpr int64_t kRecords = 4 * render::CacheSettings{}.records;
 /// Rays of a texel in a pass of paths that correct what was gathered.
 inline constexpr int kPathsAPass = 2;
 
-struct LightOptions;
-/// Paths of each record: as many that all of them take a small part of the time of the rays that
-/// read them, whose noise those share.
-int record_paths(size_t texels, const LightOptions& options);
-
 /// What samples are drawn. Passes alternate between two halves.
 struct LightOptions {
   bool direct = false;  ///< beside indirect light
@@ -89,6 +84,11 @@ struct LightOptions {
   /// Told where the bake stands, whenever both halves have got a pass. May be empty.
   std::function<void(const LightState&)> keep = {};
 };
+
+/// Paths of each record: so many that all of them take a small part of the time of the rays that
+/// read them. Their noise is shared by those rays.
+/// @param texels  of the light map, about
+int record_paths(double texels, const LightOptions& options);
 
 struct TexelLight {
   std::vector<Rgb> irradiance;  ///< [texels] W/m², 0 where dark

@@ -26,7 +26,6 @@ import scene_points  # noqa: E402
 from sample_file import read_floats  # noqa: E402
 
 
-
 def run(*command):
     scene_points.check(command, subprocess.run(list(map(str, command)), capture_output=True,
                                                text=True, check=False))
