@@ -6,6 +6,7 @@
 #include "lte/bake/rates.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/blocks/tile_sequence.h"
 
 namespace lte::bake {
 namespace {
@@ -50,7 +51,7 @@ render::PointSampling TexelSampler::sampling(uint64_t stream) const {
 }
 
 /// Places of a texel over the passes: the golden ratio's sequence, from a start of its own.
-std::array<float, 3> TexelSampler::numbers(uint32_t texel, int number) const {
+std::array<float, 3> TexelSampler::place_numbers(uint32_t texel, int number) const {
   Rng rng(hash_combine(options_.seed, kPlaces), texels_.pixel[texel]);
   constexpr std::array<double, 3> kSteps = {0.8191725134, 0.6710436067, 0.5497004779};
   std::array<float, 3> out;
@@ -61,40 +62,58 @@ std::array<float, 3> TexelSampler::numbers(uint32_t texel, int number) const {
   return out;
 }
 
+/// Texels of a tile of the atlas share a point set, which goes on from pass to pass: smoothing
+/// takes the mean of many of them, whose noise falls faster than with a set a pass.
+gi::RayNumber TexelSampler::ray_number(uint32_t texel, uint64_t stream, uint32_t number) const {
+  using pathtrace::kTileEdge;
+  const auto width = static_cast<uint32_t>(atlas_.width);
+  const uint32_t x = texels_.pixel[texel] % width, y = texels_.pixel[texel] / width;
+  const uint64_t tile = uint64_t{y / kTileEdge} << 32 | x / kTileEdge;
+  return {hash_combine(stream, tile),
+          pathtrace::tile_index(number, y % kTileEdge * kTileEdge + x % kTileEdge)};
+}
+
 void TexelSampler::pass(const render::Integrator& integrator, std::span<const uint32_t> which,
                         std::span<const uint8_t> back, const render::PointSampling& sampling,
                         int number, TexelSamples* samples, std::span<const uint8_t> rate,
                         Shard shard) const {
   const auto half = static_cast<size_t>(number) % 2;
   render::PointSampling all = sampling;
-  all.seed =
-      hash_combine(hash_combine(options_.seed, sampling.seed), static_cast<uint64_t>(number));
+  const uint64_t seed = hash_combine(options_.seed, sampling.seed);
+  all.seed = hash_combine(seed, static_cast<uint64_t>(number));
+  const uint64_t stream = hash_combine(seed, half);
+  const auto passes_before = [&](uint32_t texel) {
+    return rate.empty() ? number / 2 : passes_of(rate[texel], number / 2);
+  };
   const auto sample_block = [&](size_t begin) {
     if (!shard.has(begin)) return;
     render::PointSampling one = all;
     std::vector<uint32_t> block;
     for (const uint32_t i : which.subspan(begin, std::min(kShardBlock, which.size() - begin))) {
-      if (rate.empty() || passes_of(rate[i], number / 2 + 1) > passes_of(rate[i], number / 2))
-        block.push_back(i);
+      if (rate.empty() || passes_of(rate[i], number / 2 + 1) > passes_before(i)) block.push_back(i);
     }
     if (block.empty()) return;
-    // Each ray has a place of its own; the rays of a texel stand beside each other, where numbers
-    // are stratified.
+    // Each ray has a place of its own in its texel.
     const auto rays = static_cast<size_t>(options_.rays);
     std::vector<Vec3> position(block.size() * rays), normal(block.size() * rays);
+    std::vector<gi::RayNumber> ray_numbers(block.size() * rays);
     parallel_for(static_cast<int64_t>(block.size()), 512, [&](int64_t first, int64_t end) {
       for (auto i = static_cast<size_t>(first); i < static_cast<size_t>(end); ++i) {
         const auto chart = static_cast<size_t>(texels_.chart[block[i]]);
+        const auto drawn = rays * static_cast<size_t>(passes_before(block[i]));
         for (size_t k = 0; k < rays; ++k) {
           const TexelPlace place =
               place_in(atlas_, texels_, block[i],
-                       numbers(block[i], number * options_.rays + static_cast<int>(k)));
+                       place_numbers(block[i], number * options_.rays + static_cast<int>(k)));
           position[i * rays + k] = place.position;
+          ray_numbers[i * rays + k] =
+              ray_number(block[i], stream, static_cast<uint32_t>(drawn + k));
           normal[i * rays + k] = back[chart] != 0 ? -place.normal : place.normal;
         }
       }
     });
     one.first_index = static_cast<int64_t>(begin * rays);
+    one.numbers = ray_numbers;
     const render::PointIrradiance found = integrator.irradiance({position, normal}, one);
     const auto add = [&](const std::vector<Rgb>& from, std::vector<Rgb>* to) {
       for (size_t i = 0; i < block.size() && !from.empty(); ++i) {

@@ -27,7 +27,9 @@ class TexelSampler {
             TexelSamples* samples, std::span<const uint8_t> rate = {}, Shard shard = {}) const;
 
  private:
-  std::array<float, 3> numbers(uint32_t texel, int number) const;
+  std::array<float, 3> place_numbers(uint32_t texel, int number) const;
+  /// What the ray of a texel draws that has drawn `number` in the same stream.
+  gi::RayNumber ray_number(uint32_t texel, uint64_t stream, uint32_t number) const;
 
   const Atlas& atlas_;
   const Texels& texels_;

@@ -28,6 +28,8 @@ constexpr int64_t kGrain = 64;  // points
 // takes (Ahmed and Wonka, "Screen-space blue-noise diffusion of Monte Carlo sampling error via
 // hierarchical ordering of pixels", 2020).
 constexpr int kStratified = 64;
+// Of sets that go on over calls, more than any has.
+constexpr int kLongSet = 1 << 30;
 // Of the edge of what a ray stands for: textures are filtered over a part of it.
 constexpr float kFiltered = 0.25f;
 
@@ -96,7 +98,9 @@ class Gatherer : public pathtrace::LightSink {
         bright_(cache.bright_places()),
         frame_(bvh.handles().origin),
         half_extent_(0.5f * max_component(bvh.bounds().extent())),
-        sampler_(pathtrace::Sampling::Sobol, kStratified * options.rays),
+        sampler_(pathtrace::Sampling::Sobol,
+                 options.numbers.empty() ? kStratified * options.rays : kLongSet,
+                 options.numbers.empty() ? 0 : pathtrace::kTileDimensions),
         transport_(
             bvh, lights, options.max_depth, kRouletteDepth, *this,
             CacheReader{&cache, frame_, options.near * cache.radius(), options.near_hits,
@@ -104,10 +108,11 @@ class Gatherer : public pathtrace::LightSink {
             AimedDirections{&aims_, point_.data()}) {}
 
   /// @param geometric     may be empty
+  /// @param numbers       GatherOptions::numbers of these points
   /// @param first_stream  the number of the first point
   void gather(std::span<const Vec3> positions, std::span<const Vec3> normals,
-              std::span<const Vec3> geometric, int64_t first_stream, std::span<Rgb> out,
-              std::span<Rgb> met) {
+              std::span<const Vec3> geometric, std::span<const RayNumber> numbers,
+              int64_t first_stream, std::span<Rgb> out, std::span<Rgb> met) {
     sums_.assign(positions.size(), {});
     met_.assign(positions.size(), {});
     aims_.clear();
@@ -125,7 +130,11 @@ class Gatherer : public pathtrace::LightSink {
       // The offset follows the world coordinates, as that of irradiance does.
       const Vec3& side = geometric.empty() ? normals[i] : geometric[i];
       const Vec3 origin = pathtrace::offset_origin(positions[i], side, half_extent_) - frame_;
-      start_point(static_cast<uint64_t>(first_stream) + i, i == 0);
+      if (numbers.empty()) {
+        start_point(static_cast<uint64_t>(first_stream) + i, i == 0);
+      } else {
+        start_point(numbers[i], i == 0 || numbers[i].set != numbers[i - 1].set);
+      }
       for (int k = 0; k < options_.rays; ++k) {
         if (sampler_.paths() == kBlock) flush();
         const int lane = sampler_.paths();
@@ -176,6 +185,14 @@ class Gatherer : public pathtrace::LightSink {
     sampler_.skip_paths(place * static_cast<uint32_t>(options_.rays));
   }
 
+  void start_point(const RayNumber& number, bool of_new_set) {
+    if (of_new_set) {
+      sampler_.start_stream(number.set, 0);
+      sampler_.start_set();
+    }
+    sampler_.go_to(number.index);
+  }
+
   void flush() {
     transport_.trace_indirect(sampler_, geometric_);
     geometric_.clear();
@@ -208,6 +225,8 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
   LTE_CHECK(options.max_depth >= 2, "gather: max_depth must be at least 2, got ",
             options.max_depth);
   LTE_CHECK(options.near >= 0, "gather: near must not be negative, got ", options.near);
+  LTE_CHECK(options.numbers.empty() || options.numbers.size() == positions.size(),
+            "gather: ", options.numbers.size(), " numbers of ", positions.size(), " points");
   pathtrace::check_points(positions, normals);
   if (!geometric_normals.empty()) pathtrace::check_points(positions, geometric_normals);
   Gathered out;
@@ -222,8 +241,10 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
     const auto first = static_cast<size_t>(begin), count = static_cast<size_t>(end - begin);
     const auto geometric =
         geometric_normals.empty() ? geometric_normals : geometric_normals.subspan(first, count);
+    const auto numbers =
+        options.numbers.empty() ? options.numbers : options.numbers.subspan(first, count);
     gatherer->gather(positions.subspan(first, count), normals.subspan(first, count), geometric,
-                     first_index + begin, std::span(out.indirect).subspan(first, count),
+                     numbers, first_index + begin, std::span(out.indirect).subspan(first, count),
                      std::span(out.met).subspan(first, count));
     rays_traced += gatherer->rays_traced();
     lookups += gatherer->counts().lookups;

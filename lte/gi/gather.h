@@ -12,6 +12,12 @@
 
 namespace lte::gi {
 
+/// The point set that a ray takes its numbers from, and which of its points.
+struct RayNumber {
+  uint64_t set = 0;  ///< sets of different numbers are independent
+  uint32_t index = 0;
+};
+
 struct GatherOptions {
   int rays = 16;  ///< a point: stratified, by the cosine and aimed at the cache's bright places
   /// A hit nearer than this many radii of the cache goes on by another segment, since the cache
@@ -27,6 +33,10 @@ struct GatherOptions {
   /// Points that lie side by side, by number: rays of all are aimed as those of the first.
   int together = 1;
   uint64_t seed = 0;
+  /// [points] Of each point's first ray, the next ones following it: for sets that go on over
+  /// several calls, whose first pathtrace::kTileDimensions are the points' places. Empty: points
+  /// draw by their number.
+  std::span<const RayNumber> numbers{};
 };
 
 struct Gathered {

@@ -123,6 +123,7 @@ PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCach
     options.together = sampling.together;
     options.max_depth = max_depth;
     options.seed = sampling.seed;
+    options.numbers = sampling.numbers;
     gi::Gathered gathered =
         gi::gather_irradiance(scene.bvh, scene.lights, cache, points.position, points.normal,
                               options, sampling.first_index, points.geometric_normal);

@@ -16,6 +16,7 @@
 
 #include "lte/base/enum_names.h"
 #include "lte/base/math.h"
+#include "lte/gi/gather.h"
 #include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
@@ -49,6 +50,8 @@ struct PointSampling {
   int64_t first_index = 0;  ///< of the first point's random stream: (seed, first_index + i)
   int near_hits = 1;        ///< gi::GatherOptions::near_hits
   int together = 1;         ///< gi::GatherOptions::together
+  /// gi::GatherOptions::numbers: of indirect light.
+  std::span<const gi::RayNumber> numbers{};
 };
 
 /// Irradiance in W/m², an entry a point; empty where it is not wanted. Indirect light has been

@@ -1,11 +1,13 @@
 // Final gather against closed forms, and against the path tracer's whole paths.
 #include "lte/gi/gather.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
+#include "lte/pathtrace/blocks/tile_sequence.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/sampler.h"
@@ -238,6 +240,51 @@ TEST(Gather, NeighborsFillEachOthersGaps) {
   EXPECT_LT(squares - sum * sum, 0.25 * within / kPoints);
 }
 
+/// Calls that share the point set of a tile: points in any order, cut anyhow, find the same, and
+/// the mean of all calls has less noise than that of as many calls by themselves.
+TEST(Gather, CallsGoOnInOnePointSet) {
+  const Room room(test::furnished_room());
+  const IrradianceCache cache = room.cache(1000, 16, 3);
+  constexpr uint32_t kCalls = 8;
+  constexpr int kSeeds = 96;
+  const std::vector<Vec3> position(pathtrace::kTilePlaces, {2, 0, 1});
+  const std::vector<Vec3> normal(pathtrace::kTilePlaces, {0, 1, 0});
+  const auto call = [&](uint64_t set, uint32_t number) {
+    std::vector<RayNumber> numbers;
+    for (uint32_t place = 0; place < pathtrace::kTilePlaces; ++place)
+      numbers.push_back({set, pathtrace::tile_index(number, place)});
+    GatherOptions options;
+    options.rays = 1;
+    options.numbers = numbers;
+    const std::vector<Rgb> all =
+        gather_irradiance(room.bvh, room.lights, cache, position, normal, options).indirect;
+    constexpr size_t kFirst = 23;
+    std::reverse(numbers.begin(), numbers.begin() + kFirst);
+    options.numbers = std::span(numbers).first(kFirst);
+    std::vector<Rgb> some =
+        gather_irradiance(room.bvh, room.lights, cache, std::span(position).first(kFirst),
+                          std::span(normal).first(kFirst), options)
+            .indirect;
+    std::reverse(some.begin(), some.end());
+    EXPECT_TRUE(std::equal(some.begin(), some.end(), all.begin()));
+    double mean = 0;
+    for (const Rgb& e : all) mean += double{e.x} / pathtrace::kTilePlaces;
+    return mean;
+  };
+  const auto variance = [&](bool one_set) {
+    double sum = 0, squares = 0;
+    for (uint64_t seed = 0; seed < kSeeds; ++seed) {
+      double mean = 0;
+      for (uint32_t k = 0; k < kCalls; ++k)
+        mean += (one_set ? call(seed, k) : call(1000 + seed * kCalls + k, 0)) / kCalls;
+      sum += mean / kSeeds;
+      squares += mean * mean / kSeeds;
+    }
+    return squares - sum * sum;
+  };
+  EXPECT_LT(variance(true), 0.75 * variance(false));
+}
+
 TEST(Gather, RefusesOptionsOutOfRange) {
   const scene::Scene scene = test::furnished_room();
   const pathtrace::Bvh bvh(scene);
@@ -256,6 +303,10 @@ TEST(Gather, RefusesOptionsOutOfRange) {
   options = {};
   options.max_depth = 1;
   EXPECT_THROW(gather(options), Error);
+  options = {};
+  const std::vector<RayNumber> numbers(1);
+  options.numbers = numbers;
+  EXPECT_THROW(gather(options), Error) << "of no point";
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
 
 inline float to_unit(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
 
-inline constexpr int kSobolDimensions = 26;
+inline constexpr int kSobolDimensions = 28;
 
 /// One dimension's primitive polynomial, without its first and last coefficient, and the initial
 /// direction numbers: new-joe-kuo-6.21201 (Joe and Kuo 2008).
@@ -68,6 +68,8 @@ inline constexpr std::array<SobolPolynomial, kSobolDimensions> kSobolPolynomials
     {7, 14, {1, 3, 1, 13, 9, 35, 107}},
     {7, 19, {1, 3, 1, 5, 27, 61, 31}},
     {7, 21, {1, 1, 5, 11, 19, 41, 61}},
+    {7, 28, {1, 3, 5, 3, 3, 13, 69}},
+    {7, 31, {1, 1, 7, 13, 1, 19, 1}},
 }};
 
 /// Bit-reversed direction numbers, [bit of the index][dimension]: what a set bit of the index

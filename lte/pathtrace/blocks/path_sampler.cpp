@@ -10,9 +10,10 @@ constexpr uint64_t kNumbersPerPath = 1 << 16;
 
 }  // namespace
 
-PathSampler::PathSampler(Sampling sampling, int set_size)
+PathSampler::PathSampler(Sampling sampling, int set_size, int leading)
     : sampling_(sampling),
       joint_(set_size >= kJointSize),
+      leading_(leading),
       last_index_(std::bit_ceil(static_cast<uint32_t>(set_size)) - 1),
       scrambles_(0) {}
 
@@ -71,7 +72,7 @@ void PathSampler::draw(int vertex, int first, int numbers, const int32_t* path, 
     lanes.index = lane_shuffled_.data();
   }
   const int slot = vertex == 0 ? first : kFirst + (vertex - 1) * kPerVertex + first;
-  const int dimension = joint_ && vertex > 0 ? slot - kFirst : first;
+  const int dimension = joint_ && vertex > 0 ? leading_ + slot - kFirst : first;
   for (int k = 0; k < numbers; ++k)
     scrambled_sobol(lanes, dimension + k, scramble_seeds_[static_cast<size_t>(slot + k)].data(),
                     out[k]);

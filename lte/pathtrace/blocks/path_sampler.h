@@ -16,6 +16,7 @@
 #include "lte/base/random.h"
 #include "lte/pathtrace/blocks/low_discrepancy.h"
 #include "lte/pathtrace/blocks/path_block.h"
+#include "lte/pathtrace/blocks/tile_sequence.h"
 
 namespace lte::pathtrace {
 
@@ -42,16 +43,20 @@ class PathSampler {
   static constexpr int kJointSize = 64;
 
   /// @param set_size  paths of each randomized point set
-  PathSampler(Sampling sampling, int set_size);
+  /// @param leading   dimensions of the sequence before those of paths, which others use; 0 in sets
+  ///                  of fewer than kJointSize paths
+  PathSampler(Sampling sampling, int set_size, int leading = 0);
 
   /// What is drawn from here on belongs to (seed, stream). A set has to be started next.
   void start_stream(uint64_t seed, uint64_t stream);
   /// The next paths belong to a new set, scrambled independently of those before.
   void start_set();
   /// Leaves out the next paths of the set, which others take.
-  void skip_paths(uint32_t count) {
-    index_ += count;
-    number_ += count;
+  void skip_paths(uint32_t count) { go_to(index_ + count); }
+  /// The next path is this one of the set.
+  void go_to(uint32_t index) {
+    number_ += uint64_t{index} - index_;
+    index_ = index;
   }
   /// Takes the next path of the set into the block; up to kBlock of them.
   void add_path();
@@ -70,8 +75,9 @@ class PathSampler {
  private:
   static constexpr int kFirst = 3;  // after the light sample at vertex 0
   static constexpr int kPerVertex = 6;
-  static constexpr int kSlots = kFirst + kSobolDimensions;
-  static_assert(kSobolDimensions == (kStratifiedVertices - 1) * kPerVertex + 2);
+  static constexpr int kDimensions = (kStratifiedVertices - 1) * kPerVertex + 2;
+  static constexpr int kSlots = kFirst + kDimensions;
+  static_assert(kSobolDimensions == kTileDimensions + kDimensions);
 
   /// Numbers first ... first + count - 1 of the six that belong together: the direction out of a
   /// vertex, and light sample and roulette at the next, `vertex`; or the three at the query point.
@@ -80,6 +86,7 @@ class PathSampler {
 
   const Sampling sampling_;
   const bool joint_;
+  const int leading_;
   const uint32_t last_index_;  ///< of sets, after a shuffle too
   Rng scrambles_;
   uint64_t independent_ = 0;  ///< start of the stream of independent numbers

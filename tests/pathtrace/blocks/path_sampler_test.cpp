@@ -1,6 +1,7 @@
 // The Sobol points against another implementation, and how they reach the vertices of a path.
 #include "lte/pathtrace/blocks/path_sampler.h"
 
+#include <algorithm>
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -14,12 +15,12 @@ namespace {
 /// (scipy.stats.qmc.Sobol, whose k-th point is that of index k ^ (k >> 1)) computes them.
 TEST(Sobol, IsTheSequenceThatSciPyHas) {
   const std::vector<std::pair<uint32_t, std::array<uint32_t, kSobolDimensions>>> known{
-      {1, {512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-           512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512}},
-      {37, {656, 944, 752, 848, 496, 784, 720, 16,  976, 976, 304, 48,  688,
-            144, 976, 400, 720, 784, 848, 368, 368, 432, 272, 176, 336, 528}},
-      {101, {664, 280, 200, 472, 24,  584, 552, 88,  632, 504, 840,  616, 312,
-             408, 440, 136, 264, 968, 488, 584, 856, 72,  184, 1000, 424, 1016}}};
+      {1, {512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
+           512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512}},
+      {37, {656, 944, 752, 848, 496, 784, 720, 16,  976, 976, 304, 48,  688, 144,
+            976, 400, 720, 784, 848, 368, 368, 432, 272, 176, 336, 528, 80,  176}},
+      {101, {664, 280, 200, 472, 24,  584, 552, 88, 632, 504,  840, 616,  312, 408,
+             440, 136, 264, 968, 488, 584, 856, 72, 184, 1000, 424, 1016, 632, 184}}};
   for (const auto& [index, expected] : known) {
     for (int d = 0; d < kSobolDimensions; ++d) {
       uint32_t x = 0;
@@ -27,6 +28,17 @@ TEST(Sobol, IsTheSequenceThatSciPyHas) {
         if ((index >> bit) & 1) x ^= kSobolMatrix[bit][d];
       }
       EXPECT_EQ(reverse_bits(x), expected[d] << 22) << "index " << index << " dimension " << d;
+    }
+  }
+}
+
+/// Of 64 consecutive points one lies at each place, and tile_index() finds it.
+TEST(TileSequence, PlacesTakeTurns) {
+  for (const uint32_t number : {0u, 1u, 2u, 77u, 5000u, (1u << 24) + 3}) {
+    for (uint32_t place = 0; place < kTilePlaces; ++place) {
+      const uint32_t index = tile_index(number, place);
+      EXPECT_EQ(index / kTilePlaces, number);
+      EXPECT_EQ(tile_place(index), place);
     }
   }
 }
@@ -127,6 +139,68 @@ TEST(PathSampler, FirstPairsFillElementaryIntervals) {
       }
     }
   }
+}
+
+/// Directions at one place of a tile: of 16 points each sixteenth of the square has one, of all
+/// places' four together each 256th has one or two, and of 16 a place each has four.
+TEST(PathSampler, PlacesOfATileFillTheirOwnGapsAndThoseOfAll) {
+  constexpr int kEach = 16;
+  const auto sampler = std::make_unique<PathSampler>(Sampling::Sobol, 1 << 30, kTileDimensions);
+  const auto numbers = std::make_unique<DirectionNumbers>();
+  sampler->start_stream(5, 0);
+  sampler->start_set();
+  std::vector<int> fine_of_few(256), fine(256);
+  for (uint32_t place = 0; place < kTilePlaces; ++place) {
+    sampler->clear();
+    std::vector<int32_t> path;
+    for (int k = 0; k < kEach; ++k) {
+      sampler->go_to(tile_index(static_cast<uint32_t>(k), place));
+      path.push_back(sampler->paths());
+      sampler->add_path();
+    }
+    sampler->direction(0, path.data(), kEach, numbers.get());
+    std::vector<int> coarse(16);
+    for (int k = 0; k < kEach; ++k) {
+      const uint32_t x = numbers->x[k], y = numbers->y[k];
+      ++coarse[(x >> 30) * 4 + (y >> 30)];
+      ++fine[(x >> 28) * 16 + (y >> 28)];
+      if (k < 4) ++fine_of_few[(x >> 28) * 16 + (y >> 28)];
+    }
+    EXPECT_EQ(coarse, std::vector<int>(16, 1)) << place;
+  }
+  EXPECT_EQ(fine, std::vector<int>(256, 4));
+  for (const int count : fine_of_few) EXPECT_LE(count, 2);
+}
+
+/// The numbers of a path are those of its index, however it has been come to.
+TEST(PathSampler, GoesToAnyPathOfASet) {
+  constexpr int kPaths = 40;
+  const auto numbers_of = [](const std::vector<uint32_t>& indices) {
+    const auto sampler = std::make_unique<PathSampler>(Sampling::Sobol, 256);
+    const auto numbers = std::make_unique<DirectionNumbers>();
+    sampler->start_stream(9, 4);
+    sampler->start_set();
+    std::vector<int32_t> path;
+    for (const uint32_t index : indices) {
+      sampler->go_to(index);
+      path.push_back(sampler->paths());
+      sampler->add_path();
+    }
+    std::vector<uint32_t> out;
+    for (const int vertex : {0, PathSampler::kStratifiedVertices + 2}) {  // Sobol, independent
+      sampler->direction(vertex, path.data(), static_cast<int>(path.size()), numbers.get());
+      out.insert(out.end(), numbers->x, numbers->x + path.size());
+    }
+    return out;
+  };
+  std::vector<uint32_t> forward(kPaths);
+  std::iota(forward.begin(), forward.end(), 0u);
+  const std::vector<uint32_t> expected = numbers_of(forward);
+  const std::vector<uint32_t> backward(forward.rbegin(), forward.rend());
+  std::vector<uint32_t> found = numbers_of(backward);
+  std::reverse(found.begin(), found.begin() + kPaths);
+  std::reverse(found.begin() + kPaths, found.end());
+  EXPECT_EQ(found, expected);
 }
 
 /// Sets are independent: the product of the same number in two sets has mean 1/4.
