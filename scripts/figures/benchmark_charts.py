@@ -1,7 +1,7 @@
-"""Draws error against time of points and of texels, for scripts/figures/benchmarks.py.
+"""Draws error against time of points, edits and texels, for scripts/figures/benchmarks.py.
 
 A dot is a method: mean processor seconds, and the geometric mean over scenes of the error of
-indirect light (root mean square, relative to its mean for points, to the light there for texels).
+indirect light (root mean square, relative to its mean, of texels to the light there).
 Texels are those of the scenes in which every method was measured.
 """
 import json
@@ -18,6 +18,13 @@ def points_chart(rows):
               for row in rows for run in row["runs"]}
     return chart(points, "processor seconds of 512 points, with loading",
                  joined=("path", "gather", "network"), below=("path",))
+
+
+def edits_chart(rows):
+    points = {row["method"].replace("-", " "): (row["cpu_seconds"], row["error"],
+                                                row["method"].partition("-")[0]) for row in rows}
+    title = f"processor seconds from edit to picture, {len(rows[0]['edits'])} edits"
+    return chart(points, title, joined=("denoised", "gather", "network"), below=("gather",))
 
 
 def texel_kind(method):
@@ -43,7 +50,8 @@ def texels_chart(rows):
                  joined=("path", "smoothed", "denoised", "gather"), below=("gather", "denoised"))
 
 
-CHARTS = (("points", "points_time.svg", points_chart), ("bake", "texels_time.svg", texels_chart))
+CHARTS = (("points", "points_time.svg", points_chart), ("edits", "edits_time.svg", edits_chart),
+          ("bake", "texels_time.svg", texels_chart))
 
 
 def charts(docs):

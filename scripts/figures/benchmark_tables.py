@@ -83,6 +83,22 @@ def picture_rows(results):
     return list(rows.values())
 
 
+def edit_rows(results):
+    """By method mean seconds of each kind of edit, and the error over all edits."""
+    measured = results["edits"]["edits"]
+    rows = []
+    for method in results["edits"]["methods"]:
+        of = [{**{key: edit[key] for key in ("scene", "edit", "half_noise")},
+               **edit["methods"][method["method"]]} for edit in measured]
+        seconds = {kind: statistics.fmean(f["seconds"] for f in of if f["edit"] == kind)
+                   for kind in dict.fromkeys(f["edit"] for f in of)}
+        again = [f["again"] for f in of if "again" in f]
+        rows.append({"method": method["method"], **seconds,
+                     "again": statistics.fmean(again) if again else None,
+                     "cpu_seconds": method["seconds"], "error": method["error"], "edits": of})
+    return rows
+
+
 def bake_figures(rows):
     """Means over scenes, of the errors geometric; the worst seam."""
     if not rows:
@@ -204,6 +220,11 @@ TABLES = (
               (("living_room", "living room"), ("cornell_box", "Cornell box")),
               (("first", "first view, s"), ("further", "further, s"), ("relmse", "relMSE"),
                ("flip", "FLIP")))),
+    Table("edits", (
+        Command("scripts/figures/edit_times.py --work {work}/edits --json {json}", "edits"),),
+          edit_rows,
+          (("method", "method"), ("lamp: s", "lamp"), ("again", "again"), ("object", "object"),
+           ("material", "material"), ("error", "error"))),
     Table("budgets", (
         HOMES,
         pareto("plain",

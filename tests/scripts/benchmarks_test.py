@@ -61,6 +61,21 @@ class Rows(unittest.TestCase):
         self.assertEqual(rows[0]["runs"], [{"rays": 16, "error": 1 / 16, "cpu_seconds": 1.6},
                                            {"rays": 64, "error": 1 / 64, "cpu_seconds": 6.4}])
 
+    def test_edits_have_a_row_a_method_and_a_time_a_kind(self):
+        def edit(kind, seconds, **more):
+            return {"scene": "a.glb", "edit": kind, "half_noise": 0.2,
+                    "methods": {"gather-draft": {"seconds": seconds, "error": 0.1, **more}}}
+        [row] = benchmark_tables.edit_rows({"edits": {
+            "edits": [edit("lamp", 1, again=0.25), edit("object", 4), edit("lamp", 2, again=0.75)],
+            "methods": [{"method": "gather-draft", "seconds": 7 / 3, "error": 0.1}]}})
+        self.assertEqual((row["lamp"], row["object"], row["again"]), (1.5, 4, 0.5))
+        self.assertEqual([(f["edit"], f["seconds"]) for f in row["edits"]],
+                         [("lamp", 1), ("object", 4), ("lamp", 2)])
+        [row] = benchmark_tables.edit_rows({"edits": {
+            "edits": [edit("lamp", 1)],
+            "methods": [{"method": "gather-draft", "seconds": 1, "error": 0.1}]}})
+        self.assertIsNone(row["again"])
+
     def test_whole_pictures_have_means_over_rooms(self):
         dark = copy.deepcopy(OUTPUTS["scenes"])
         [room] = dark["scenes"]
@@ -136,6 +151,19 @@ class Charts(unittest.TestCase):
         for axis in (0, 1):
             self.assertAlmostEqual(middle[axis] - draft[axis], final[axis] - middle[axis], delta=.2)
             self.assertGreater(middle[axis], draft[axis])
+
+    def test_edits_have_a_dot_a_method_and_a_line_an_integrator(self):
+        rows = [{"method": method, "cpu_seconds": seconds, "error": error, "edits": [{}] * 9}
+                for method, seconds, error in (
+                    ("gather-draft", 0.2, 0.1), ("gather-final", 2, 0.04), ("denoised-4", 1, 0.1),
+                    ("network-draft", 1, 0.2))]
+        svg = benchmark_charts.edits_chart(rows)
+        self.assertIn("from edit to picture, 9 edits", svg)
+        dots = self.dots(svg)
+        self.assertEqual(set(dots), {"gather draft", "gather final", "denoised 4", "network draft"})
+        self.assertLess(dots["gather draft"][0], dots["gather final"][0])
+        self.assertLess(dots["gather draft"][1], dots["gather final"][1])  # down is less error
+        self.assertEqual(svg.count('fill="none"'), 3)
 
     def test_points_have_a_dot_a_run_and_a_line_an_integrator(self):
         rows = [{"method": "gather", "runs": [{"rays": rays, "error": 1 / rays, "cpu_seconds": rays}
