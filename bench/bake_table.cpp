@@ -35,8 +35,9 @@ BakeRow product(MeasuredScene* m, const std::string& name, int passes, int path_
   options.path_passes = path_passes;
   options.seed = seed;
   render::CacheSettings cache;
-  cache.records = bake::kRecords;
-  cache.paths = bake::record_paths(static_cast<double>(m->layout.texels.size()), options);
+  const auto texels = static_cast<double>(m->layout.texels.size());
+  cache.records = bake::record_count(texels, options);
+  cache.paths = bake::record_paths(texels, cache.records, options);
   cache.seed = seed;
   const auto integrator = render::make_gather(m->traced(), cache);
   integrator->prepare();
@@ -93,7 +94,7 @@ std::vector<BakeRow> measure_all(const BakeTableRequest& request, MeasuredScene*
   std::vector<BakeRow> rows;
   rows.push_back(product(m, "bake draft", 2, 0, request.seed));
   rows.push_back(product(m, "bake preview", 4, 0, request.seed));
-  rows.push_back(product(m, "bake final", 16, 16, request.seed));
+  rows.push_back(product(m, "bake final", 12, 16, request.seed));
   add_network(request.checkpoint, request.seed, m, &rows);
   add_paths(*m, 16, 2, request.seed, &rows);
   add_paths(*m, 64, 1, request.seed, &rows);

@@ -13,7 +13,7 @@ namespace lte::infer {
 
 /// The command line as it stands.
 struct BakeRequest : LightRequest {
-  BakeRequest() { records = bake::kRecords; }
+  BakeRequest() { records = 0; }  ///< bake::record_count()
 
   std::string out;
   std::string quality = "preview", include = "full", format = "gltf";

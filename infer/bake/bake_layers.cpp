@@ -29,15 +29,15 @@ constexpr int kManyPasses = 4096;
 /// Mean over texels, even: they alternate between two halves. A preview has more where the light
 /// map is so small that all its rays are fewer than kPreviewRays: there rays cost little, and a
 /// denoiser is worth least.
-constexpr int kDraftPasses = 2, kPreviewPasses = 4, kFinalPasses = 16;
+constexpr int kDraftPasses = 2, kPreviewPasses = 4, kMostPreviewPasses = 16, kFinalPasses = 12;
 constexpr double kPreviewRays = 3e6;
 
 int passes_of(Quality quality, double texels, int rays) {
   if (quality == Quality::Draft) return kDraftPasses;
-  if (quality == Quality::Final) return kFinalPasses;
   const double pairs = kPreviewRays / (std::max(texels, 1.0) * rays * 2);
-  return 2 *
-         static_cast<int>(std::lround(std::clamp(pairs, kPreviewPasses / 2.0, kFinalPasses / 2.0)));
+  const int preview = 2 * static_cast<int>(std::lround(
+                              std::clamp(pairs, kPreviewPasses / 2.0, kMostPreviewPasses / 2.0)));
+  return quality == Quality::Final ? std::max(preview, kFinalPasses) : preview;
 }
 
 bake::LightOptions light_options(const BakeRequest& request, const scene::Scene& scene) {
@@ -64,7 +64,12 @@ std::unique_ptr<render::Integrator> integrator_of(const BakeRequest& request,
   render::CacheSettings cache = cache_settings(request);
   cache.seed = hash_combine(request.seed, kCache);
   const scene::Scene& all = scene.bvh.scene();
-  cache.paths = bake::record_paths(expected_texels(request, all), light_options(request, all));
+  const double texels = expected_texels(request, all);
+  const bake::LightOptions light = light_options(request, all);
+  // A network answers at each record, which takes longer than paths.
+  if (cache.records == 0)
+    cache.records = bake::record_count(request.needs_network() ? 0 : texels, light);
+  cache.paths = bake::record_paths(texels, cache.records, light);
   return render::make_gather(scene, cache, std::move(source));
 }
 

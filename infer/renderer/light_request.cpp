@@ -26,8 +26,10 @@ void add_light_flags(CLI::App& app, const std::string& from, LightRequest* r) {
 void add_light_keys(const std::string& start, LightRequest* r) {
   r->keys.add("depth", &r->max_depth, 1, 1000,
               concat("surface hits of light's path after ", start));
-  r->keys.add("records", &r->records, 2, int64_t{1} << 22,
-              "of gather and network: places that the irradiance cache knows");
+  const bool chosen = r->records == 0;
+  r->keys.add("records", &r->records, chosen ? 0 : 2, int64_t{1} << 22,
+              concat("of gather and network: places that the irradiance cache knows",
+                     chosen ? "; 0: by the rays that read them" : ""));
 }
 
 void add_tool_flags(CLI::App& app, LightRequest* r) {

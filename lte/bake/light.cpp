@@ -22,8 +22,13 @@ namespace {
 constexpr uint64_t kRays = 82, kPathRays = 84;
 /// Seconds that smoothing takes a texel and kind of light, about, by a denoiser where there is one.
 constexpr double kSmoothingSeconds = 1e-5;
-/// Rays of texels for each path of a record, and the least and most of those, of 2.
+/// Rays of texels for each path of all records.
 constexpr double kRaysARecordPath = 4;
+/// The least and most records, and their paths above which there are more of them.
+constexpr int64_t kLeastRecords = 4 * render::CacheSettings{}.records;
+constexpr int64_t kMostRecords = 4 * kLeastRecords;
+constexpr double kEnoughRecordPaths = 64;
+/// The least and most paths of a record, of 2.
 constexpr int kLeastRecordPaths = 4, kMostRecordPaths = 8;
 /// Steps of progress beside passes: sides, darkness, neighbours, means.
 constexpr int kOtherSteps = 4;
@@ -208,6 +213,10 @@ class Bake {
   double last_pass_s_ = 0;
 };
 
+double paths_of_records(double texels, const LightOptions& options) {
+  return texels * options.rays * options.passes / kRaysARecordPath;
+}
+
 void take(const TexelSamples& from, uint32_t texel, TexelSamples* to) {
   for (size_t h = 0; h < 2; ++h) {
     if (!to->indirect[h].empty()) to->indirect[h][texel] = from.indirect[h][texel];
@@ -217,9 +226,14 @@ void take(const TexelSamples& from, uint32_t texel, TexelSamples* to) {
 
 }  // namespace
 
-int record_paths(double texels, const LightOptions& options) {
-  const double rays = texels * options.rays * options.passes;
-  const double paths = std::max(1.0, rays / (kRaysARecordPath * static_cast<double>(kRecords)));
+int64_t record_count(double texels, const LightOptions& options) {
+  const double records = paths_of_records(texels, options) / kEnoughRecordPaths;
+  return std::clamp(static_cast<int64_t>(std::min(records, 1e9)), kLeastRecords, kMostRecords);
+}
+
+int record_paths(double texels, int64_t records, const LightOptions& options) {
+  const double paths =
+      std::max(1.0, paths_of_records(texels, options) / static_cast<double>(records));
   return 1 << std::clamp(static_cast<int>(std::lround(std::log2(paths))), kLeastRecordPaths,
                          kMostRecordPaths);
 }

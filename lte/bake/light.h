@@ -57,10 +57,6 @@ struct Sides {
   int64_t two_sided = 0;      ///< texels lit on both sides, of which the brighter was taken
 };
 
-/// Of the irradiance cache (render::CacheSettings::records): texels see into narrower gaps than
-/// pixels do, so there are more.
-inline constexpr int64_t kRecords = 4 * render::CacheSettings{}.records;
-
 /// Rays of a texel in a pass of paths that correct what was gathered.
 inline constexpr int kPathsAPass = 2;
 
@@ -85,10 +81,14 @@ struct LightOptions {
   std::function<void(const LightState&)> keep = {};
 };
 
-/// Paths of each record: so many that all of them take a small part of the time of the rays that
-/// read them. Their noise is shared by those rays.
+/// Records of the irradiance cache. Texels see into narrower gaps than pixels do, so there are
+/// more; and more yet where many rays read them, once the noise of each is small.
 /// @param texels  of the light map, about
-int record_paths(double texels, const LightOptions& options);
+int64_t record_count(double texels, const LightOptions& options);
+
+/// Paths of each of so many records: all of them take a small part of the time of the rays that
+/// read them. Their noise is shared by those rays.
+int record_paths(double texels, int64_t records, const LightOptions& options);
 
 struct TexelLight {
   std::vector<Rgb> irradiance;  ///< [texels] W/m², 0 where dark

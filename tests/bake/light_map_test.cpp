@@ -160,6 +160,24 @@ TEST(TexelLight, IsThatOfPathsPointByPoint) {
   EXPECT_LT(square / static_cast<double>(lit) / (mean * mean), 0.02);
 }
 
+/// All paths of records are a quarter of the rays that read them: at least 16 of 16,384 records, up
+/// to 64 of more records, and beyond that more of each.
+TEST(Records, AreAsManyAsTheirReadersAreWorth) {
+  LightOptions options;
+  options.rays = 4;
+  options.passes = 16;  // 16 paths of records a texel
+  const auto of = [&](double texels) {
+    const int64_t records = record_count(texels, options);
+    return std::pair(records, record_paths(texels, records, options));
+  };
+  EXPECT_EQ(of(100), std::pair(int64_t{16'384}, 16));
+  EXPECT_EQ(of(65'536), std::pair(int64_t{16'384}, 64));
+  EXPECT_EQ(of(131'072), std::pair(int64_t{32'768}, 64));
+  EXPECT_EQ(of(262'144), std::pair(int64_t{65'536}, 64));
+  EXPECT_EQ(of(524'288), std::pair(int64_t{65'536}, 128));
+  EXPECT_EQ(of(1e9), std::pair(int64_t{65'536}, 256));
+}
+
 TEST(Rates, FollowNoiseOverLight) {
   scene::Scene scene;
   const int white = test::add_material(&scene, {0.5f, 0.5f, 0.5f});

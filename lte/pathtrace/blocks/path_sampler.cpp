@@ -73,9 +73,8 @@ void PathSampler::draw(int vertex, int first, int numbers, const int32_t* path, 
   }
   const int slot = vertex == 0 ? first : kFirst + (vertex - 1) * kPerVertex + first;
   const int dimension = joint_ && vertex > 0 ? leading_ + slot - kFirst : first;
-  for (int k = 0; k < numbers; ++k)
-    scrambled_sobol(lanes, dimension + k, scramble_seeds_[static_cast<size_t>(slot + k)].data(),
-                    out[k]);
+  const auto* const seeds = &scramble_seeds_[static_cast<size_t>(slot)];
+  for (int k = 0; k < numbers; ++k) scrambled_sobol(lanes, dimension + k, seeds[k].data(), out[k]);
 }
 
 void PathSampler::light(int vertex, const int32_t* path, int count, LightNumbers* out) {

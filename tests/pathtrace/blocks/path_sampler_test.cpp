@@ -129,9 +129,9 @@ TEST(PathSampler, FirstPairsFillElementaryIntervals) {
             std::vector<int> cells(16);
             for (int i = 16 * block; i < 16 * (block + 1); ++i) {
               const auto& path = paths[static_cast<size_t>(i)];
-              const int column = static_cast<int>(path[pair] * (1 << split));
-              const int row = static_cast<int>(path[pair + 1] * (16 >> split));
-              ++cells[static_cast<size_t>(column * (16 >> split) + row)];
+              const auto column = static_cast<size_t>(path[pair] * (1 << split));
+              const auto row = static_cast<size_t>(path[pair + 1] * (16 >> split));
+              ++cells[column * (16u >> split) + row];
             }
             EXPECT_EQ(cells, std::vector<int>(16, 1)) << "split " << split;
           }
