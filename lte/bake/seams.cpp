@@ -14,10 +14,10 @@ namespace {
 /// Cosine between normals beyond which light has no reason to be the same on both sides.
 constexpr float kSmoothEdge = 0.9f;
 /// Weights of least squares: of a seam, of a lit texel's own value, of a filled one's.
-constexpr double kSeam = 5000, kOwn = 1, kFilledOwn = 0.1;
+constexpr double kSeam = 20000, kOwn = 1, kFilledOwn = 0.01;
 constexpr int kRounds = 3;
 /// Solutions, each with the strengths that the light of the one before says.
-constexpr int kReweighings = 3;
+constexpr int kReweighings = 6;
 /// Of the mean light along seams: differences of darker places count relative to that.
 constexpr double kUnseen = 0.01;
 
