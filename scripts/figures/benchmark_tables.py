@@ -190,7 +190,7 @@ def pareto(label, scenes, size, methods, model=None):
 
 
 def bake(label, scenes, texels):
-    return Command(f"lte_bench bake {scenes} --texels {texels} --measured 2000 "
+    return Command(f"lte_bench bake {scenes} --texels {texels} --measured 8000 "
                    "--reference-paths 1024 --cycles {work}/cycles/bin/python --json {json}", label)
 
 
