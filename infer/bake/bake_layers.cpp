@@ -40,13 +40,14 @@ int passes_of(Quality quality, double texels, int rays) {
   return quality == Quality::Final ? std::max(preview, kFinalPasses) : preview;
 }
 
-bake::LightOptions light_options(const BakeRequest& request, const scene::Scene& scene) {
+/// @param texels  expected_texels()
+bake::LightOptions light_options(const BakeRequest& request, double texels) {
   bake::LightOptions out;
   out.direct = request.include == "full";
   out.max_depth = request.max_depth;
   out.seed = request.seed;
   const Quality quality = parse_enum<Quality>("--quality", request.quality);
-  out.passes = passes_of(quality, expected_texels(request, scene), out.rays);
+  out.passes = passes_of(quality, texels, out.rays);
   // Gathered light errs where its records do, which shows when noise is gone.
   out.path_passes = quality == Quality::Final ? 16 : 0;
   if (!request.time.empty() || request.error > 0) {
@@ -63,9 +64,8 @@ std::unique_ptr<render::Integrator> integrator_of(const BakeRequest& request,
   if (request.by_paths()) return render::make_path(scene, request.max_depth);
   render::CacheSettings cache = cache_settings(request);
   cache.seed = hash_combine(request.seed, kCache);
-  const scene::Scene& all = scene.bvh.scene();
-  const double texels = expected_texels(request, all);
-  const bake::LightOptions light = light_options(request, all);
+  const double texels = expected_texels(request, scene.bvh.scene());
+  const bake::LightOptions light = light_options(request, texels);
   // A network answers at each record, which takes longer than paths.
   if (cache.records == 0)
     cache.records = bake::record_count(request.needs_network() ? 0 : texels, light);
@@ -220,10 +220,10 @@ std::vector<bake::BakedLayer> bake_layers(const BakeRequest& request,
   const auto integrator = prepared->get(source);
   ShownProgress progress;
   LayerBaker bake_layer(request, layout, parts);
-  bake::LightOptions options = light_options(request, renderer->bvh().scene());
+  const scene::Scene& scene = renderer->bvh().scene();
+  bake::LightOptions options = light_options(request, expected_texels(request, scene));
   options.progress = [&](double share) { progress(share); };
   options.seconds = time - timer.seconds();
-  const scene::Scene& scene = renderer->bvh().scene();
   std::vector<bake::BakedLayer> out;
   if (since != nullptr) {
     out.push_back({"light", bake_changes(traced, *integrator, layout, options, request.change,

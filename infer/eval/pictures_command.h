@@ -12,8 +12,9 @@ namespace lte::infer {
 
 struct PicturesRequest {
   std::vector<std::string> pictures;  ///< .exr
-  std::string reference;              ///< .exr of the same size
-  std::string layer;                  ///< empty: the picture itself
+  /// .exr of the same size: one, or two whose noise is independent.
+  std::vector<std::string> references;
+  std::string layer;  ///< empty: the picture itself
 };
 
 /// Adds the subcommand; it has been chosen if app.got_subcommand() says so.

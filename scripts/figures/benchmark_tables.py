@@ -88,7 +88,7 @@ def edit_rows(results):
     measured = results["edits"]["edits"]
     rows = []
     for method in results["edits"]["methods"]:
-        of = [{**{key: edit[key] for key in ("scene", "edit", "half_noise")},
+        of = [{**{key: edit[key] for key in ("scene", "edit", "noise")},
                **edit["methods"][method["method"]]} for edit in measured]
         seconds = {kind: statistics.fmean(f["seconds"] for f in of if f["edit"] == kind)
                    for kind in dict.fromkeys(f["edit"] for f in of)}

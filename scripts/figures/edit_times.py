@@ -9,9 +9,9 @@ processor seconds of a frame: what counts is how much more the run takes than on
 frame before. Short runs are repeated, and the least counts. The network encodes a lamp apart at its
 first edit; another edit of the lamp in frame 2 ("again") shows what is left of the time.
 
-The error is that of indirect light after the edit against a path-traced reference in two halves,
-without their noise (pair_error.py); references are kept in the work folder. The layers are those of
-a session that begins with the edit, whose frame is the same bit for bit.
+The error is that of indirect light after the edit against two path-traced references, without their
+noise (lte_eval pictures); references are kept in the work folder. The layers are those of a session
+that begins with the edit, whose frame is the same bit for bit.
 """
 import argparse
 import dataclasses
@@ -20,7 +20,6 @@ import json
 import pathlib
 import statistics
 
-from pair_error import References
 from point_errors import ROOT, processor_seconds
 
 METHODS = {f"{integrator}-{quality}": ("--integrator", integrator, "--quality", quality)
@@ -101,12 +100,23 @@ def reference(args, edit, seed):
     return args.work / name
 
 
+def score(args, picture, references):
+    """What lte_eval says of the indirect light of a picture."""
+    result = args.work / "score.json"
+    both = [word for path in references for word in ("--reference", path)]
+    processor_seconds([args.bin / "lte_eval", "pictures", picture, *both, "--layer", "indirect",
+                       "--quiet", "--json", result])
+    [found] = json.loads(result.read_text())
+    return found
+
+
 def measure(args, edit, before):
-    """By method seconds and error, and the noise of half a reference.
+    """By method seconds and error, and the noise of a reference.
 
     @param before  by scene and method the seconds of runs of frame 0 alone, which edits share
     """
-    out, truth = {}, References(*(reference(args, edit, seed) for seed in REFERENCE_SEEDS))
+    out, noise = {}, None
+    references = [reference(args, edit, seed) for seed in REFERENCE_SEEDS]
     for name in args.methods:
         flags = METHODS[name]
         if (edit.scene, name) not in before:
@@ -119,8 +129,9 @@ def measure(args, edit, before):
             out[name]["again"] = spent[2] - spent[1]
         # A .png above, as denoised paths take longer to be denoised in layers.
         render(args, edit.scene, script(edit.steps[:1], first=0), "layers.exr", *flags)
-        out[name]["error"] = truth.error(args.work / "layers.exr")
-    return out, truth.noise()
+        found = score(args, args.work / "layers.exr", references)
+        out[name]["error"], noise = found["error"], found["noise"]
+    return out, noise
 
 
 def summary(name, edits):
@@ -160,7 +171,7 @@ def main():
         if scene.stem not in args.scenes:
             continue
         methods, noise = measure(args, edit, before)
-        edits.append({"scene": scene.name, "edit": edit.kind, "half_noise": noise,
+        edits.append({"scene": scene.name, "edit": edit.kind, "noise": noise,
                       "methods": methods})
         print(f"{scene.name}, {edit.kind}:",
               *(f"{name} {row['seconds']:.2f} s {100 * row['error']:.1f} %"

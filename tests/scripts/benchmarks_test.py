@@ -63,7 +63,7 @@ class Rows(unittest.TestCase):
 
     def test_edits_have_a_row_a_method_and_a_time_a_kind(self):
         def edit(kind, seconds, **more):
-            return {"scene": "a.glb", "edit": kind, "half_noise": 0.2,
+            return {"scene": "a.glb", "edit": kind, "noise": 0.2,
                     "methods": {"gather-draft": {"seconds": seconds, "error": 0.1, **more}}}
         [row] = benchmark_tables.edit_rows({"edits": {
             "edits": [edit("lamp", 1, again=0.25), edit("object", 4), edit("lamp", 2, again=0.75)],
