@@ -20,7 +20,7 @@ class PicturesCommand : public testing::Test {
   std::string write(const std::string& name, int width, float value) {
     image::Image picture(width, 16, 3);
     std::fill(picture.pixels.begin(), picture.pixels.end(), value);
-    const std::string path = (folder_ / name).string();
+    std::string path = (folder_ / name).string();
     image::write_exr(path, {{"", &picture}});
     return path;
   }
