@@ -64,13 +64,11 @@ std::array<float, 3> TexelSampler::place_numbers(uint32_t texel, int number) con
 
 /// Texels of a tile of the atlas share a point set, which goes on from pass to pass: smoothing
 /// takes the mean of many of them, whose noise falls faster than with a set a pass.
-gi::RayNumber TexelSampler::ray_number(uint32_t texel, uint64_t stream, uint32_t number) const {
-  using pathtrace::kTileEdge;
+pathtrace::SampleNumber TexelSampler::sample_number(uint32_t texel, uint64_t stream,
+                                                    uint32_t number) const {
   const auto width = static_cast<uint32_t>(atlas_.width);
-  const uint32_t x = texels_.pixel[texel] % width, y = texels_.pixel[texel] / width;
-  const uint64_t tile = uint64_t{y / kTileEdge} << 32 | x / kTileEdge;
-  return {hash_combine(stream, tile),
-          pathtrace::tile_index(number, y % kTileEdge * kTileEdge + x % kTileEdge)};
+  return pathtrace::sample_number(stream, texels_.pixel[texel] % width,
+                                  texels_.pixel[texel] / width, number);
 }
 
 void TexelSampler::pass(const render::Integrator& integrator, std::span<const uint32_t> which,
@@ -96,7 +94,7 @@ void TexelSampler::pass(const render::Integrator& integrator, std::span<const ui
     // Each ray has a place of its own in its texel.
     const auto rays = static_cast<size_t>(options_.rays);
     std::vector<Vec3> position(block.size() * rays), normal(block.size() * rays);
-    std::vector<gi::RayNumber> ray_numbers(block.size() * rays);
+    std::vector<pathtrace::SampleNumber> numbers(block.size() * rays);
     parallel_for(static_cast<int64_t>(block.size()), 512, [&](int64_t first, int64_t end) {
       for (auto i = static_cast<size_t>(first); i < static_cast<size_t>(end); ++i) {
         const auto chart = static_cast<size_t>(texels_.chart[block[i]]);
@@ -106,14 +104,13 @@ void TexelSampler::pass(const render::Integrator& integrator, std::span<const ui
               place_in(atlas_, texels_, block[i],
                        place_numbers(block[i], number * options_.rays + static_cast<int>(k)));
           position[i * rays + k] = place.position;
-          ray_numbers[i * rays + k] =
-              ray_number(block[i], stream, static_cast<uint32_t>(drawn + k));
+          numbers[i * rays + k] = sample_number(block[i], stream, static_cast<uint32_t>(drawn + k));
           normal[i * rays + k] = back[chart] != 0 ? -place.normal : place.normal;
         }
       }
     });
     one.first_index = static_cast<int64_t>(begin * rays);
-    one.numbers = ray_numbers;
+    one.ray_numbers = one.light_numbers = numbers;
     const render::PointIrradiance found = integrator.irradiance({position, normal}, one);
     const auto add = [&](const std::vector<Rgb>& from, std::vector<Rgb>* to) {
       for (size_t i = 0; i < block.size() && !from.empty(); ++i) {

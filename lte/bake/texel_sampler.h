@@ -29,7 +29,7 @@ class TexelSampler {
  private:
   std::array<float, 3> place_numbers(uint32_t texel, int number) const;
   /// What the ray of a texel draws that has drawn `number` in the same stream.
-  gi::RayNumber ray_number(uint32_t texel, uint64_t stream, uint32_t number) const;
+  pathtrace::SampleNumber sample_number(uint32_t texel, uint64_t stream, uint32_t number) const;
 
   const Atlas& atlas_;
   const Texels& texels_;

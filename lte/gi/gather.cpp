@@ -9,6 +9,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/blocks/tile_sequence.h"
 #include "lte/pathtrace/ray_offset.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport_impl.h"
@@ -111,7 +112,7 @@ class Gatherer : public pathtrace::LightSink {
   /// @param numbers       GatherOptions::numbers of these points
   /// @param first_stream  the number of the first point
   void gather(std::span<const Vec3> positions, std::span<const Vec3> normals,
-              std::span<const Vec3> geometric, std::span<const RayNumber> numbers,
+              std::span<const Vec3> geometric, std::span<const pathtrace::SampleNumber> numbers,
               int64_t first_stream, std::span<Rgb> out, std::span<Rgb> met) {
     sums_.assign(positions.size(), {});
     met_.assign(positions.size(), {});
@@ -132,12 +133,17 @@ class Gatherer : public pathtrace::LightSink {
       const Vec3 origin = pathtrace::offset_origin(positions[i], side, half_extent_) - frame_;
       if (numbers.empty()) {
         start_point(static_cast<uint64_t>(first_stream) + i, i == 0);
-      } else {
-        start_point(numbers[i], i == 0 || numbers[i].set != numbers[i - 1].set);
+      } else if (i == 0 || numbers[i].set != numbers[i - 1].set) {
+        sampler_.start_stream(numbers[i].set, 0);
+        sampler_.start_set();
       }
       for (int k = 0; k < options_.rays; ++k) {
         if (sampler_.paths() == kBlock) flush();
         const int lane = sampler_.paths();
+        if (!numbers.empty()) {
+          sampler_.go_to(pathtrace::tile_index(numbers[i].number + static_cast<uint32_t>(k),
+                                               numbers[i].place));
+        }
         transport_.start().origin.put(lane, origin);
         transport_.start().normal.put(lane, normals[i]);
         if (!geometric.empty()) geometric_.push_back(side);
@@ -183,14 +189,6 @@ class Gatherer : public pathtrace::LightSink {
     sampler_.start_stream(options_.seed, number / kStratified);
     sampler_.start_set();
     sampler_.skip_paths(place * static_cast<uint32_t>(options_.rays));
-  }
-
-  void start_point(const RayNumber& number, bool of_new_set) {
-    if (of_new_set) {
-      sampler_.start_stream(number.set, 0);
-      sampler_.start_set();
-    }
-    sampler_.go_to(number.index);
   }
 
   void flush() {

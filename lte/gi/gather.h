@@ -9,14 +9,9 @@
 #include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
+#include "lte/pathtrace/sample_number.h"
 
 namespace lte::gi {
-
-/// The point set that a ray takes its numbers from, and which of its points.
-struct RayNumber {
-  uint64_t set = 0;  ///< sets of different numbers are independent
-  uint32_t index = 0;
-};
 
 struct GatherOptions {
   int rays = 16;  ///< a point: stratified, by the cosine and aimed at the cache's bright places
@@ -33,10 +28,8 @@ struct GatherOptions {
   /// Points that lie side by side, by number: rays of all are aimed as those of the first.
   int together = 1;
   uint64_t seed = 0;
-  /// [points] Of each point's first ray, the next ones following it: for sets that go on over
-  /// several calls, whose first pathtrace::kTileDimensions are the points' places. Empty: points
-  /// draw by their number.
-  std::span<const RayNumber> numbers{};
+  /// [points] For point sets that go on over several calls. Empty: points draw by their number.
+  std::span<const pathtrace::SampleNumber> numbers{};
 };
 
 struct Gathered {

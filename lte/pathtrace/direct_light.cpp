@@ -29,6 +29,8 @@ constexpr int64_t kGrain = 256;
 constexpr float kShortened = 1 - 0x1p-20f;
 /// Random numbers of a sample: the point on the light, the light, and the direction.
 constexpr int kNumbers = 5;
+// Others draw from the set of a SampleNumber, too.
+constexpr uint64_t kOfDirectLight = 51;
 
 /// The samples of one kind, light or hemisphere, that the lanes of a block hold. A lane's numbers
 /// are a point of a scrambled Sobol set, one for each half of a query point.
@@ -94,18 +96,25 @@ class DirectEstimator {
     auto half = static_cast<int32_t>(halves_.size());
     halves_.push_back({i, {}, {}});
     int32_t slot = -1;
-    Rng numbers(hash_combine(options_.seed, static_cast<uint64_t>(which) + 1), points_.streams[at]);
+    // Places of a tile share no set here: two or three dimensions are spread best by one of each.
+    const bool goes_on = !points_.numbers.empty();
+    Rng random = goes_on ? Rng(hash_combine(points_.numbers[at].set, kOfDirectLight),
+                               points_.numbers[at].place)
+                         : Rng(hash_combine(options_.seed, static_cast<uint64_t>(which) + 1),
+                               points_.streams[at]);
+    const uint32_t first = goes_on ? points_.numbers[at].number : 0;
+    const uint32_t end = first + static_cast<uint32_t>(count);
     std::array<uint32_t, kNumbers> seeds;
-    for (uint32_t& seed : seeds) seed = numbers.next_u32();
-    const float rounding = numbers.uniform();
-    const auto rays =
-        options_.hemisphere_elsewhere
-            ? 0
-            : static_cast<int32_t>(std::floor(share_ * static_cast<float>(count) + rounding));
+    for (uint32_t& seed : seeds) seed = random.next_u32();
+    const double rounding = double{random.uniform()};
+    const auto rays_beside = [&](uint32_t light_samples) {
+      if (options_.hemisphere_elsewhere) return 0U;
+      return static_cast<uint32_t>(std::floor(double{share_} * light_samples + rounding));
+    };
     const Vec3& side =
         points_.geometric_normals.empty() ? points_.normals[at] : points_.geometric_normals[at];
     const Vec3 origin = offset_origin(points_.positions[at], side, half_extent_) - handles_.origin;
-    const auto add = [&](Samples* block, int32_t k) {
+    const auto add = [&](Samples* block, uint32_t k) {
       if (block->size == kBlock) {
         flush();
         slot = -1;
@@ -119,12 +128,12 @@ class DirectEstimator {
       block->position.put(lane, origin);
       block->normal.put(lane, points_.normals[at]);
       block->set[lane] = slot;
-      block->index[lane] = static_cast<uint32_t>(k);
+      block->index[lane] = k;
       block->scale[lane] = 1 / static_cast<float>(all);
-      last_index_ = std::max(last_index_, static_cast<uint32_t>(k));
+      last_index_ = std::max(last_index_, k);
     };
-    for (int32_t k = 0; k < count; ++k) add(&light_, k);
-    for (int32_t k = 0; k < rays; ++k) add(&sky_, k);
+    for (uint32_t k = first; k < end; ++k) add(&light_, k);
+    for (uint32_t k = rays_beside(first); k < rays_beside(end); ++k) add(&sky_, k);
   }
 
   void flush() {
@@ -246,7 +255,8 @@ class DirectEstimator {
     const auto luminance_of = [](const Sum& s) {
       return luminance({static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z)});
     };
-    const double share_a = static_cast<double>(samples / 2) / samples, share_b = 1 - share_a;
+    const int32_t of_a = samples / 2;
+    const double share_a = double{1} * of_a / samples, share_b = 1 - share_a;
     const double apart = luminance_of(a) / share_a - luminance_of(b) / share_b;
     return static_cast<float>(apart * apart * share_a * share_b);
   }
@@ -282,10 +292,14 @@ DirectLight estimate_direct(const Bvh& bvh, const Lights& lights, const DirectPo
                             std::span<const int32_t> samples, const DirectOptions& options) {
   LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
   check_points(points.positions, points.normals);
-  LTE_CHECK(
-      points.streams.size() == points.positions.size() && samples.size() == points.positions.size(),
-      "direct light needs a stream and a count a point: got ", points.positions.size(),
-      " positions, ", points.streams.size(), " streams and ", samples.size(), " counts");
+  const size_t count = points.positions.size();
+  LTE_CHECK(points.streams.size() + points.numbers.size() == count &&
+                (points.streams.empty() || points.numbers.empty()) && samples.size() == count,
+            "direct light needs a stream or a number, and a count, a point: got ", count,
+            " positions, ", points.streams.size(), " streams, ", points.numbers.size(),
+            " numbers and ", samples.size(), " counts");
+  LTE_CHECK(!options.variance || points.numbers.empty(),
+            "direct light of samples that go on has no variance");
   if (!points.geometric_normals.empty()) check_points(points.positions, points.geometric_normals);
   LTE_CHECK(options.hemisphere_share >= 0 && options.hemisphere_share <= 1,
             "hemisphere_share must be 0 to 1, got ", options.hemisphere_share);

@@ -12,16 +12,21 @@
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
+#include "lte/pathtrace/sample_number.h"
 
 namespace lte::pathtrace {
 
 /// Points that are asked for direct light. The spans are [points].
 struct DirectPoints {
   std::span<const Vec3> positions, normals;  ///< normals are unit
-  std::span<const uint64_t> streams;         ///< random numbers of a point: distinct ones
+  /// Random numbers of a point: distinct ones. Empty where `numbers` are given.
+  std::span<const uint64_t> streams;
   /// Of the surfaces, where `normals` are shading normals: no light arrives from below them. Empty
   /// where they are the same.
   std::span<const Vec3> geometric_normals{};
+  /// For samples that go on over several calls, in a point set a place and not one of the tile.
+  /// The seed says nothing then.
+  std::span<const SampleNumber> numbers{};
 };
 
 struct DirectOptions {
@@ -34,7 +39,7 @@ struct DirectOptions {
   /// bring their part, as many as the share says.
   bool hemisphere_elsewhere = false;
   /// The samples of a point are cut into two halves, which are stratified apart, so that their
-  /// difference tells the variance. Points with one sample have none.
+  /// difference tells the variance. Points with one sample have none. Not of DirectPoints::numbers.
   bool variance = false;
 };
 

@@ -15,6 +15,8 @@
 namespace lte::pathtrace {
 namespace {
 
+constexpr int kMaxPaths = 1 << 30;  // a pixel
+
 /// Traces pixels in blocks of paths that may hold several pixels or a part of one.
 class PixelTracer : public LightSink {
  public:
@@ -26,7 +28,7 @@ class PixelTracer : public LightSink {
         width_(static_cast<float>(width)),
         height_(static_cast<float>(height)),
         origin_(camera.origin - bvh.handles().origin),
-        sampler_(Sampling::Sobol, options.spp),
+        sampler_(Sampling::Sobol, std::max(options.spp, options.in_all)),
         transport_(bvh, lights, options.max_depth, kRouletteDepth, *this) {}
 
   /// Fills `out`, an entry a pixel.
@@ -35,6 +37,7 @@ class PixelTracer : public LightSink {
     for (size_t i = 0; i < pixels.size(); ++i) {
       sampler_.start_stream(options_.seed, static_cast<uint64_t>(pixels[i]));
       sampler_.start_set();
+      sampler_.skip_paths(static_cast<uint32_t>(options_.had));
       for (int k = 0; k < options_.spp; ++k) {
         if (sampler_.paths() == kBlock) flush(pixels);
         entry_[static_cast<size_t>(sampler_.paths())] = static_cast<int>(i);
@@ -75,7 +78,8 @@ class PixelTracer : public LightSink {
     sampler_.direction(0, all.data(), count, &jitter_);
     for (int lane = 0; lane < count; ++lane) {
       const int64_t pixel = pixels[static_cast<size_t>(entry_[static_cast<size_t>(lane)])];
-      const auto x = static_cast<float>(pixel % row_), y = static_cast<float>(pixel / row_);
+      const int64_t column = pixel % row_, row = pixel / row_;
+      const auto x = static_cast<float>(column), y = static_cast<float>(row);
       transport_.start().origin.put(lane, origin_);
       transport_.start().direction.put(
           lane, rays_.direction((x + to_unit(jitter_.x[lane])) / width_,
@@ -100,6 +104,9 @@ class PixelTracer : public LightSink {
 void check_tracing(const Bvh& bvh, const Lights& lights, const RenderOptions& options) {
   LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
   LTE_CHECK(options.spp >= 1, "spp must be at least 1, got ", options.spp);
+  LTE_CHECK(options.had >= 0 && options.had <= kMaxPaths - options.spp && options.in_all >= 0 &&
+                options.in_all <= kMaxPaths,
+            "paths of all calls must be 0 to ", kMaxPaths);
   LTE_CHECK(options.max_depth >= 1, "max_depth must be at least 1, got ", options.max_depth);
 }
 

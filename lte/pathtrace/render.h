@@ -17,6 +17,9 @@ struct RenderOptions {
   int spp = 64;       ///< paths a pixel, jittered over it
   int max_depth = 6;  ///< surface hits after the camera: a primary hit whose irradiance has depth 5
   uint64_t seed = 0;
+  /// Of calls whose paths go on in one point set a pixel, by the same seed: paths that a pixel has
+  /// had, and will have in all; 0: it has those of this call.
+  int had = 0, in_all = 0;
 };
 
 /// Told of pixels as they are done, by the threads that did them.

@@ -123,7 +123,7 @@ PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCach
     options.together = sampling.together;
     options.max_depth = max_depth;
     options.seed = sampling.seed;
-    options.numbers = sampling.numbers;
+    options.numbers = sampling.ray_numbers;
     gi::Gathered gathered =
         gi::gather_irradiance(scene.bvh, scene.lights, cache, points.position, points.normal,
                               options, sampling.first_index, points.geometric_normal);
@@ -131,7 +131,7 @@ PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCach
     met = std::move(gathered.met);
   }
   if (sampling.light_samples == 0) return out;
-  std::vector<uint64_t> streams(points.position.size());
+  std::vector<uint64_t> streams(sampling.light_numbers.empty() ? points.position.size() : 0);
   std::iota(streams.begin(), streams.end(), static_cast<uint64_t>(sampling.first_index));
   pathtrace::DirectOptions options;
   options.seed = sampling.seed;
@@ -144,7 +144,8 @@ PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCach
   out.direct =
       std::move(pathtrace::estimate_direct(
                     scene.bvh, scene.lights,
-                    {points.position, points.normal, streams, points.geometric_normal},
+                    {points.position, points.normal, streams, points.geometric_normal,
+                     sampling.light_numbers},
                     std::vector<int32_t>(points.position.size(), sampling.light_samples), options)
                     .irradiance);
   for (size_t i = 0; both && i < met.size(); ++i) out.direct[i] += met[i];

@@ -50,8 +50,9 @@ struct PointSampling {
   int64_t first_index = 0;  ///< of the first point's random stream: (seed, first_index + i)
   int near_hits = 1;        ///< gi::GatherOptions::near_hits
   int together = 1;         ///< gi::GatherOptions::together
-  /// gi::GatherOptions::numbers: of indirect light.
-  std::span<const gi::RayNumber> numbers{};
+  /// [points] For rays, and light samples, that go on over several calls. Empty: points draw by
+  /// seed and first_index.
+  std::span<const pathtrace::SampleNumber> ray_numbers{}, light_numbers{};
 };
 
 /// Irradiance in W/m², an entry a point; empty where it is not wanted. Indirect light has been

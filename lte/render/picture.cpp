@@ -6,6 +6,7 @@
 #include "lte/base/parallel_each.h"
 #include "lte/render/combine.h"
 #include "lte/render/half_size.h"
+#include "lte/render/lost_detail.h"
 
 namespace lte::render {
 namespace {
@@ -181,7 +182,13 @@ RadianceLayers gathered_light(const Film& film, const Frame& frame, const Pictur
   parallel_each(film.pixels(), kPixelsAtOnce, [&](size_t i) {
     if (film.sees_metal(i)) noisy_indirect->set_rgb(i, noisy_indirect->rgb(i) * kPi);
   });
-  if (settings.denoiser != nullptr) denoise_gathered(film, settings, &light);
+  if (settings.denoiser != nullptr) {
+    denoise_gathered(film, settings, &light);
+    std::vector<uint8_t> lit(film.pixels());
+    for (size_t i = 0; i < lit.size(); ++i) lit[i] = film.is_lit(i);
+    restore_lost_detail(film.gathered, &LightSums::direct, lit, &light.direct);
+    restore_lost_detail(film.gathered, &LightSums::indirect, lit, &light.indirect);
+  }
   return seen_light(film, light, settings.output == Output::Irradiance ? nullptr : &frame.albedo,
                     settings.denoiser != nullptr);
 }

@@ -6,6 +6,7 @@
 
 #include "lte/base/parallel_each.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/blocks/tile_sequence.h"
 #include "lte/pathtrace/render.h"
 #include "lte/render/edges.h"
 #include "lte/scene/metal.h"
@@ -151,6 +152,24 @@ void PixelRays::list_hits(std::vector<LitHit>* lit, std::vector<size_t>* metal) 
   }
 }
 
+/// Pixels of a tile share a point set, which goes on from pass to pass of a half: a denoiser takes
+/// the mean of many of them, whose noise falls faster than with a set a pass.
+std::vector<pathtrace::SampleNumber> PixelRays::sample_numbers(const std::vector<LitHit>& lit,
+                                                               int samples) const {
+  std::vector<pathtrace::SampleNumber> out;
+  if (rays_.lit != Rays::Lit::All) return out;
+  const uint64_t stream =
+      hash_combine(hash_combine(settings_.seed, kPoints), static_cast<uint64_t>(film_.passes % 2));
+  const auto number = static_cast<uint32_t>(film_.passes / 2 * samples);
+  const auto width = static_cast<size_t>(film_.width);
+  for (const LitHit& each : lit) {
+    const size_t pixel = pixels_[each.hit / static_cast<size_t>(rays_.count)];
+    out.push_back(pathtrace::sample_number(stream, static_cast<uint32_t>(pixel % width),
+                                           static_cast<uint32_t>(pixel / width), number));
+  }
+  return out;
+}
+
 void PixelRays::light(const Integrator& integrator, int64_t* next_point) {
   LightSums& sums = film_.gathered.halves[static_cast<size_t>(film_.passes % 2)];
   if (sums.empty()) sums = LightSums(film_.width, film_.height);
@@ -170,6 +189,11 @@ void PixelRays::light(const Integrator& integrator, int64_t* next_point) {
       hash_combine(hash_combine(settings_.seed, kPoints), static_cast<uint64_t>(film_.passes));
   sampling.first_index = *next_point;
   *next_point += static_cast<int64_t>(lit.size());
+  const std::vector<pathtrace::SampleNumber> ray_numbers = sample_numbers(lit, settings_.rays),
+                                             light_numbers =
+                                                 sample_numbers(lit, settings_.light_samples);
+  sampling.ray_numbers = ray_numbers;
+  sampling.light_numbers = light_numbers;
   const PointIrradiance light =
       integrator.irradiance({position, normal, geometric_normal}, sampling);
   for (size_t k = 0; k < lit.size(); ++k) {

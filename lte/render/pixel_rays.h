@@ -47,6 +47,8 @@ class PixelRays {
   void add_hit(size_t pixel, size_t hit);
   void list_hits(std::vector<LitHit>* lit, std::vector<size_t>* metal);
   size_t source_of(size_t pixel, size_t hit, EdgePixel* edge);
+  std::vector<pathtrace::SampleNumber> sample_numbers(const std::vector<LitHit>& lit,
+                                                      int samples) const;
   void trace_metal(const std::vector<size_t>& metal, LightSums* sums);
 
   const TracedScene& scene_;

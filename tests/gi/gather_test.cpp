@@ -250,9 +250,9 @@ TEST(Gather, CallsGoOnInOnePointSet) {
   const std::vector<Vec3> position(pathtrace::kTilePlaces, {2, 0, 1});
   const std::vector<Vec3> normal(pathtrace::kTilePlaces, {0, 1, 0});
   const auto call = [&](uint64_t set, uint32_t number) {
-    std::vector<RayNumber> numbers;
+    std::vector<pathtrace::SampleNumber> numbers;
     for (uint32_t place = 0; place < pathtrace::kTilePlaces; ++place)
-      numbers.push_back({set, pathtrace::tile_index(number, place)});
+      numbers.push_back({set, place, number});
     GatherOptions options;
     options.rays = 1;
     options.numbers = numbers;
@@ -304,7 +304,7 @@ TEST(Gather, RefusesOptionsOutOfRange) {
   options.max_depth = 1;
   EXPECT_THROW(gather(options), Error);
   options = {};
-  const std::vector<RayNumber> numbers(1);
+  const std::vector<pathtrace::SampleNumber> numbers(1);
   options.numbers = numbers;
   EXPECT_THROW(gather(options), Error) << "of no point";
 }

@@ -2,6 +2,7 @@
 // the result must not depend on.
 #include "lte/pathtrace/direct_light.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +11,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/blocks/tile_sequence.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/every_light.h"
 #include "tests/support/mean.h"
@@ -161,6 +163,47 @@ TEST(DirectLight, DependsNeitherOnThreadsNorOnThePointsBesideIt) {
   EXPECT_EQ(all.irradiance[0], Rgb{}) << "no samples, no light";
 }
 
+/// As right as any, and the mean of all calls has less noise than that of as many sets by
+/// themselves.
+TEST(DirectLight, SamplesThatGoOnAreSpreadOverCalls) {
+  const test::Room room;
+  IrradianceOptions paths;
+  paths.rays = 1 << 16;
+  paths.direct_only = true;
+  const Irradiance expected = room.estimate(paths);
+  constexpr uint32_t kCalls = 8, kSamples = 2;
+  constexpr int kSeeds = 100;
+  const std::vector<int32_t> samples(kTilePlaces, kSamples);
+  for (size_t i = 0; i < room.positions.size(); ++i) {
+    const std::vector<Vec3> position(kTilePlaces, room.positions[i]),
+        normal(kTilePlaces, room.normals[i]);
+    const auto call = [&](uint64_t set, uint32_t number) {
+      std::vector<SampleNumber> numbers;
+      for (uint32_t place = 0; place < kTilePlaces; ++place)
+        numbers.push_back({set, place, number});
+      return estimate_direct(room.bvh, room.lights, {position, normal, {}, {}, numbers}, samples,
+                             {})
+          .irradiance;
+    };
+    std::array<Mean, 2> found;  // in sets by themselves, in one
+    for (uint64_t seed = 0; seed < kSeeds; ++seed) {
+      for (const bool one : {false, true}) {
+        std::vector<double> sums(kTilePlaces);
+        for (uint32_t k = 0; k < kCalls; ++k) {
+          const std::vector<Rgb> light =
+              one ? call(seed, k * kSamples) : call(1000 + seed * kCalls + k, 0);
+          for (size_t p = 0; p < sums.size(); ++p) sums[p] += double{light[p].x} / kCalls;
+        }
+        for (const double sum : sums) found[one].add(sum);
+      }
+    }
+    const Rgb wanted = expected.direct_sum(static_cast<int64_t>(i));
+    const double error = std::hypot(found[1].error(), std::sqrt(expected.variance_total[i].x));
+    EXPECT_NEAR(found[1].value(), wanted.x, 4.5 * error + 1e-4 * wanted.x) << "point " << i;
+    EXPECT_LT(found[1].variance(), 0.35 * found[0].variance()) << "point " << i;
+  }
+}
+
 TEST(DirectLight, NeedsNoRaysWithoutLight) {
   scene::Scene scene;
   test::add_quad(&scene, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, test::add_material(&scene, {1, 1, 1}));
@@ -181,11 +224,19 @@ TEST(DirectLight, NamesWhatIsWrong) {
       estimate_direct(room.bvh, room.lights, points.all(), samples, options);
     };
   };
-  EXPECT_THAT(ask({1, 2}), ThrowsMessage<Error>(HasSubstr("6 streams and 2 counts")));
+  EXPECT_THAT(ask({1, 2}), ThrowsMessage<Error>(HasSubstr("6 streams, 0 numbers and 2 counts")));
   EXPECT_THAT(ask({1, 1, 1, -1, 1, 1}), ThrowsMessage<Error>(HasSubstr("samples of point 3")));
   DirectOptions wrong;
   wrong.hemisphere_share = 2;
   EXPECT_THAT(ask({1, 1, 1, 1, 1, 1}, wrong), ThrowsMessage<Error>(HasSubstr("hemisphere_share")));
+  const std::vector<SampleNumber> numbers(6);
+  const std::vector<int32_t> samples(6, 2);
+  DirectPoints going_on{points.positions, points.normals, {}, {}, numbers};
+  wrong = {};
+  wrong.variance = true;
+  EXPECT_THROW(estimate_direct(room.bvh, room.lights, going_on, samples, wrong), Error);
+  going_on.streams = points.streams;
+  EXPECT_THROW(estimate_direct(room.bvh, room.lights, going_on, samples, {}), Error) << "both";
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST(GBuffer, HoldsWhatThePixelCentresSee) {
   const double slope = 2 * std::tan(kPi / 6) / kHeight;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      const auto i = static_cast<size_t>(y * kWidth + x);
+      const auto i = static_cast<size_t>(y) * kWidth + static_cast<size_t>(x);
       ASSERT_EQ(g.mask[i], y >= kHeight / 2 ? 1 : 0);
       if (y < kHeight / 2) {
         EXPECT_TRUE(std::isinf(g.depth[i]));
@@ -70,8 +70,9 @@ TEST(GBuffer, AgreesWithSingleRays) {
   const scene::Camera camera = camera_at({3.7f, 1.5f, 2.7f}, {1, 0.8f, 1});
   const GBuffer g = trace_gbuffer(bvh, camera, 33, 17);
   for (int i = 0; i < 33 * 17; ++i) {
-    const Vec3 direction = camera.direction((static_cast<float>(i % 33) + 0.5f) / 33,
-                                            (static_cast<float>(i / 33) + 0.5f) / 17, 33.0f / 17);
+    const int column = i % 33, row = i / 33;
+    const Vec3 direction = camera.direction((static_cast<float>(column) + 0.5f) / 33,
+                                            (static_cast<float>(row) + 0.5f) / 17, 33.0f / 17);
     const Hit hit = bvh.intersect({camera.origin, direction});
     ASSERT_TRUE(hit.valid());
     const Vec3 expected = camera.origin + direction * hit.t;
@@ -154,6 +155,32 @@ TEST(TracePixels, AreThePixelsOfTheReferenceByTheirBounces) {
     sums[2] += parts[i].indirect.x;
   }
   for (const double sum : sums) EXPECT_GT(sum, 0);
+}
+
+TEST(TracePixels, CallsGoOnInOnePointSet) {
+  const scene::Scene scene = test::furnished_room();
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const scene::Camera camera = camera_at({3.7f, 1.5f, 2.7f}, {1, 1.2f, 1}, 80);
+  const std::vector<int64_t> pixels{0, 3, 200, 383};
+  RenderOptions options;
+  options.spp = 64;
+  const auto trace = [&] { return trace_pixels(bvh, lights, camera, 24, 16, pixels, options); };
+  const std::vector<PixelRadiance> whole = trace();
+  options.in_all = options.spp;
+  options.spp = 8;
+  std::vector<Rgb> sums(pixels.size());
+  for (; options.had < options.in_all; options.had += options.spp) {
+    const std::vector<PixelRadiance> part = trace();
+    for (size_t i = 0; i < sums.size(); ++i)
+      sums[i] += (part[i].emission + part[i].direct + part[i].indirect) * 0.125f;
+  }
+  for (size_t i = 0; i < sums.size(); ++i) {
+    const Rgb wanted = whole[i].emission + whole[i].direct + whole[i].indirect;
+    EXPECT_LT(length(sums[i] - wanted), 1e-5f * length(wanted)) << "pixel " << pixels[i];
+  }
+  options.had = -1;
+  EXPECT_THROW(trace(), Error);
 }
 
 TEST(RenderReference, DependsNotOnThreads) {

@@ -9,7 +9,9 @@
 #include <array>
 #include <cstdint>
 
+#include "lte/base/random.h"
 #include "lte/pathtrace/blocks/low_discrepancy.h"
+#include "lte/pathtrace/sample_number.h"
 
 namespace lte::pathtrace {
 
@@ -40,6 +42,17 @@ inline constexpr auto kFirstOfPlaces = [] {
 constexpr uint32_t tile_index(uint32_t number, uint32_t place) {
   const uint32_t first = number * kTilePlaces;
   return first + kFirstOfPlaces[tile_place(first) ^ place];
+}
+
+/// The place of a pixel or texel in its tile.
+constexpr uint32_t place_in_tile(uint32_t x, uint32_t y) {
+  return y % kTileEdge * kTileEdge + x % kTileEdge;
+}
+
+/// What a pixel or texel draws that has drawn `number` samples of the same stream.
+inline SampleNumber sample_number(uint64_t stream, uint32_t x, uint32_t y, uint32_t number) {
+  const uint64_t tile = uint64_t{y / kTileEdge} << 32 | x / kTileEdge;
+  return {hash_combine(stream, tile), place_in_tile(x, y), number};
 }
 
 }  // namespace lte::pathtrace

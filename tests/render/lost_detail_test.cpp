@@ -1,0 +1,87 @@
+// What is restored to a denoised picture: what it has lost, and no noise.
+#include "lte/render/lost_detail.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lte/base/random.h"
+
+namespace lte::render {
+namespace {
+
+constexpr int kAcross = 64, kDown = 48;
+constexpr size_t kPixels = size_t{kAcross} * kDown;
+
+/// Light with a shadow's edge down the middle.
+Rgb truth(size_t pixel) {
+  const float light = pixel % kAcross < kAcross / 2 ? 1.0f : 0.25f;
+  return {light, 0.8f * light, 0.5f * light};
+}
+
+/// Halves of `samples` samples each, whose noise is as large as the light.
+LightEstimate sampled(int samples, uint64_t seed) {
+  Rng rng(seed);
+  LightEstimate out;
+  for (LightSums& half : out.halves) {
+    half = LightSums(kAcross, kDown);
+    for (size_t i = 0; i < kPixels; ++i) {
+      for (int k = 0; k < samples; ++k) half.add(i, {{}, {}, truth(i) * (2 * rng.uniform())}, 1);
+    }
+  }
+  return out;
+}
+
+image::Image blurred(int radius) {
+  image::Image out(kAcross, kDown, 3);
+  for (size_t i = 0; i < kPixels; ++i) {
+    const auto x = static_cast<int>(i % kAcross);
+    Rgb sum;
+    for (int dx = -radius; dx <= radius; ++dx)
+      sum += truth(static_cast<size_t>(std::clamp(x + dx, 0, kAcross - 1)));
+    out.set_rgb(i, sum * (1 / static_cast<float>(2 * radius + 1)));
+  }
+  return out;
+}
+
+double error_of(const image::Image& image) {
+  double sum = 0;
+  for (size_t i = 0; i < kPixels; ++i) {
+    const Rgb off = image.rgb(i) - truth(i);
+    sum += double{dot(off, off)};
+  }
+  return std::sqrt(sum / kPixels);
+}
+
+image::Image restored(const LightEstimate& samples, image::Image smooth) {
+  restore_lost_detail(samples, &LightSums::indirect, std::vector<uint8_t>(kPixels, 1), &smooth);
+  return smooth;
+}
+
+TEST(LostDetail, OfManySamplesIsRestored) {
+  const LightEstimate samples = sampled(256, 1);
+  const image::Image smooth = blurred(3), found = restored(samples, smooth);
+  EXPECT_LT(error_of(found), 0.4 * error_of(smooth));
+  EXPECT_LT(error_of(found), error_of(samples.mean().indirect));
+}
+
+TEST(LostDetail, NoiseIsNot) {
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    const LightEstimate samples = sampled(4, seed);
+    const image::Image found = restored(samples, blurred(0));
+    EXPECT_LT(error_of(found), 0.1 * error_of(samples.mean().indirect));
+  }
+}
+
+TEST(LostDetail, NeedsBothHalvesAndTheMask) {
+  const image::Image smooth = blurred(3);
+  LightEstimate samples = sampled(64, 1);
+  image::Image found = smooth;
+  restore_lost_detail(samples, &LightSums::indirect, std::vector<uint8_t>(kPixels, 0), &found);
+  EXPECT_EQ(found.pixels, smooth.pixels);
+  samples.halves[1] = {};
+  EXPECT_EQ(restored(samples, smooth).pixels, smooth.pixels);
+}
+
+}  // namespace
+}  // namespace lte::render
