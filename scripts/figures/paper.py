@@ -13,8 +13,9 @@ usage: scripts/figures/paper.py --list              names the rows and what each
   --bin DIR   the programs (build/bin); experiment_paper needs -DLTE_EXPERIMENTS=ON
 
 A row is a list of commands. The result of each is kept in DIR/ROW and is not made again while its
-command line is the same, so that a stopped run goes on where it was. Processor seconds are those of
-the commands as they ran last: scenes that an earlier, stopped one had made are not counted.
+command line is the same, so that a stopped run goes on where it was; those of long trainings are
+kept in docs/paper/trainings, so that it may be another machine. Processor seconds are those of the
+commands as they ran last: scenes that an earlier, stopped one had made are not counted.
 """
 import argparse
 import datetime
@@ -31,6 +32,7 @@ from paper_tables import page
 from paper_tables.rows import ROWS
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+TRAININGS = "docs/paper/trainings"
 
 
 class Run:
@@ -50,10 +52,13 @@ class Run:
         (ROOT / path).parent.mkdir(parents=True, exist_ok=True)
         return str(path)
 
-    def tool(self, label, *words, shared=False):
+    def tool(self, label, *words, shared=False, training=False):
         """Runs a program with --json, and returns what it writes there. Rows share data that a
-        shared command makes."""
-        path = self.out / ("work" if shared else self.row) / f"{label.replace(' ', '-')}.json"
+        shared command makes, and trainings."""
+        folder = self.out / ("work" if shared or training else self.row)
+        if training and not self.quick:
+            folder = pathlib.Path(TRAININGS)
+        path = folder / f"{label.replace(' ', '-')}.json"
         words = [self.bin / words[0], *words[1:]]
         self.run(label, [*words, "--quiet", "--json", path], path)
         return json.loads((ROOT / path).read_text())
@@ -63,25 +68,30 @@ class Run:
 
     def run(self, label, words, result):
         words = [str(word) for word in words]
+        shown = self.shown(words)
         note = (ROOT / result).with_suffix(".command")
         (ROOT / result).parent.mkdir(parents=True, exist_ok=True)
         if (ROOT / result).exists() and note.exists():
             known = json.loads(note.read_text())
-            if known["words"] == words:
-                self.finish(label, words, known)
+            if self.shown(known["words"]) == shown:
+                self.finish(label, shown, known)
                 return
         (ROOT / result).unlink(missing_ok=True)
         clock, before = time.monotonic(), cpu_seconds()
         run_command(words, "paper")
-        known = {"words": words, "seconds": time.monotonic() - clock,
+        known = {"words": shown, "seconds": time.monotonic() - clock,
                  "cpu_seconds": cpu_seconds() - before}
         if not (ROOT / result).exists():
             (ROOT / result).write_text("")
         note.write_text(json.dumps(known))
-        self.finish(label, words, known)
+        self.finish(label, shown, known)
 
-    def finish(self, label, words, known):
+    def finish(self, label, shown, known):
         self.done[label] = known
+        self.commands.append(shlex.join(shown))
+
+    def shown(self, words):
+        """A command as a reader would type it."""
         program = {sys.executable: "python3"}.get(words[0], words[0])
         if program.startswith(str(self.bin)):
             program = pathlib.Path(program).name
@@ -89,7 +99,7 @@ class Run:
         if "--json" in shown:
             at = shown.index("--json")
             del shown[at - (shown[at - 1] == "--quiet"):at + 2]
-        self.commands.append(shlex.join(shown))
+        return shown
 
     def seconds(self, label):
         return self.done[label]["seconds"]

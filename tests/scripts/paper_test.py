@@ -60,6 +60,16 @@ class Paper(unittest.TestCase):
         self.assertTrue(row["commands"][0].startswith("experiment_consistency "))
         self.assertIn("|1,234|0.5|", self.paper("--table", "flicker").stdout)
 
+    def test_programs_of_another_folder_find_what_is_there(self):
+        self.program()
+        self.assertEqual(self.paper("flicker", "--quick").returncode, 0)
+        self.bin = self.bin.parent / "other"
+        self.bin.mkdir()
+        calls = self.program()
+        done = self.paper("flicker", "--quick")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertFalse(calls.exists())
+
     def test_a_table_without_a_run_names_the_command_that_makes_it(self):
         done = self.paper("--table", "roadmap", "--quick")
         self.assertEqual(done.returncode, 1)

@@ -32,7 +32,7 @@ def trained(run, label, network, seed, words=(), data=None):
     found = run.tool(f"{label}-{seed}", "experiment_paper", "roadmap", "--network", network,
                      "--config", CONFIG, "--data", data or boxes(run),
                      "--steps", run.size(3000, 1000), "--seed", seed, "--threads", 1,
-                     *(w for s in settings for w in ("--set", s)), *words, shared=True)
+                     *(w for s in settings for w in ("--set", s)), *words, training=True)
     return found | {"step_ms": 1e3 * found["cpu_seconds"] / found["steps"],
                     "mse": found["test"]["mse"], "share": found["test"]["share"]}
 
