@@ -1,11 +1,11 @@
 #include "lte/render/lost_detail.h"
 
-#include <utility>
+#include <algorithm>
 #include <vector>
 
 #include "lte/base/parallel_each.h"
+#include "lte/gi/expected_error.h"
 #include "lte/render/box_mean.h"
-#include "lte/render/way_regression.h"
 
 namespace lte::render {
 namespace {
@@ -24,22 +24,28 @@ void restore_lost_detail(const LightEstimate& samples, image::Image LightSums::*
   const LightSums &a = samples.halves[0], &b = samples.halves[1];
   if (a.empty() || b.empty()) return;
   const size_t pixels = mask.size();
-  std::vector<float> light(pixels);
-  for (size_t i = 0; i < pixels; ++i) light[i] = luminance(smooth->rgb(i));
-  const std::vector<float> weight = error_weights(std::move(light));
   std::vector<uint8_t> known(pixels);
-  std::vector<float> noise(pixels), way(pixels);
   std::vector<Rgb> mean(pixels);
+  double light = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    known[i] = mask[i] != 0 && a.samples[i] > 0 && b.samples[i] > 0;
+    if (known[i] == 0) continue;
+    mean[i] = ((a.*layer).rgb(i) + (b.*layer).rgb(i)) *
+              (1 / static_cast<float>(a.samples[i] + b.samples[i]));
+    light += double{luminance(mean[i])};
+  }
+  // Errors count relative to light. That of the samples bounds it: of a layer that has nearly none,
+  // nothing may be left in the picture, and a square would overflow.
+  const auto dark = static_cast<float>(gi::kDark * light / static_cast<double>(pixels));
+  if (!(dark > 0)) return;
+  std::vector<float> noise(pixels), way(pixels);
   parallel_each(pixels, kPixelsAtOnce, [&](size_t i) {
-    const auto in_a = static_cast<float>(a.samples[i]), in_b = static_cast<float>(b.samples[i]);
-    known[i] = mask[i] != 0 && in_a > 0 && in_b > 0;
     if (known[i] == 0) return;
-    const Rgb &sum_a = (a.*layer).rgb(i), &sum_b = (b.*layer).rgb(i);
-    const float all = in_a + in_b;
-    mean[i] = (sum_a + sum_b) * (1 / all);
-    const Rgb apart = (sum_a * (1 / in_a) - sum_b * (1 / in_b)) * weight[i];
-    noise[i] = kNoise * dot(apart, apart) * (in_a * in_b / (all * all));
-    const Rgb to = (mean[i] - smooth->rgb(i)) * weight[i];
+    const float weight = 1 / (std::max(0.0f, luminance(smooth->rgb(i))) + dark);
+    const auto in_a = static_cast<float>(a.samples[i]), in_b = static_cast<float>(b.samples[i]);
+    const Rgb apart = ((a.*layer).rgb(i) * (1 / in_a) - (b.*layer).rgb(i) * (1 / in_b)) * weight;
+    noise[i] = kNoise * dot(apart, apart) * (in_a * in_b / ((in_a + in_b) * (in_a + in_b)));
+    const Rgb to = (mean[i] - smooth->rgb(i)) * weight;
     way[i] = dot(to, to);
   });
   const BoxMean around(smooth->width, smooth->height, known);
@@ -49,8 +55,10 @@ void restore_lost_detail(const LightEstimate& samples, image::Image LightSums::*
   noise = spread(noise);
   way = spread(way);
   parallel_each(pixels, kPixelsAtOnce, [&](size_t i) {
-    if (known[i] == 0 || !(way[i] > noise[i])) return;
-    const float share = 1 - noise[i] / way[i];
+    // Moving sums may leave a little below 0 where there is nothing.
+    const float of_noise = std::max(0.0f, noise[i]);
+    if (known[i] == 0 || !(way[i] > of_noise)) return;
+    const float share = 1 - of_noise / way[i];
     smooth->set_rgb(i, smooth->rgb(i) + share * (mean[i] - smooth->rgb(i)));
   });
 }

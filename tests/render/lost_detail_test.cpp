@@ -73,6 +73,40 @@ TEST(LostDetail, NoiseIsNot) {
   }
 }
 
+/// Beside bright noise, and of a picture that is its samples' mean.
+TEST(LostDetail, InTheDarkIsNothing) {
+  Rng rng(5);
+  LightEstimate samples;
+  for (LightSums& half : samples.halves) {
+    half = LightSums(kAcross, kDown);
+    for (size_t i = 0; i < kPixels; ++i) {
+      const bool bright = i % kAcross < 20 && i / kAcross < 20;
+      half.add(i, {{}, {}, bright ? Rgb{1, 1, 1} * std::exp(-20 * rng.uniform()) : Rgb{}}, 1);
+    }
+  }
+  const image::Image mean = samples.mean().indirect, found = restored(samples, mean);
+  for (size_t k = 0; k < mean.pixels.size(); ++k)
+    ASSERT_NEAR(found.pixels[k], mean.pixels[k], 1e-6);
+}
+
+/// A layer that few samples have found, and of which the denoiser has left nothing.
+TEST(LostDetail, OfALayerWithNearlyNoLightIsFinite) {
+  LightEstimate samples;
+  for (LightSums& half : samples.halves) {
+    half = LightSums(kAcross, kDown);
+    for (size_t i = 0; i < kPixels; ++i) half.add(i, {{}, {}, i == 777 ? Rgb{1, 1, 1} : Rgb{}}, 1);
+  }
+  samples.halves[1].indirect.set_rgb(777, {1e-3f, 1, 2});
+  const image::Image found = restored(samples, image::Image(kAcross, kDown, 3));
+  for (const float value : found.pixels) ASSERT_TRUE(std::isfinite(value) && value >= 0);
+  LightEstimate none;
+  for (LightSums& half : none.halves) {
+    half = LightSums(kAcross, kDown);
+    for (size_t i = 0; i < kPixels; ++i) half.add(i, {}, 1);
+  }
+  EXPECT_EQ(restored(none, blurred(0)).pixels, blurred(0).pixels);
+}
+
 TEST(LostDetail, NeedsBothHalvesAndTheMask) {
   const image::Image smooth = blurred(3);
   LightEstimate samples = sampled(64, 1);
