@@ -99,12 +99,14 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
             " values for ", direct.size(), " records");
   GatherOptions gather;
   gather.rays = options.rays;
-  gather.max_depth = std::max(options.max_depth, 2);
   gather.seed = options.seed;
   // A gather over the cache adds a bounce to the last.
   const int bounces = options.max_depth - 2, rounds = std::min(kReflections, bounces);
   std::vector<Rgb> indirect(direct.size());
-  const auto gathered = [&](const IrradianceCache& cache, const CacheRecords& at) {
+  // Where a ray finds no record that it may read, it goes on as a path: to the depth that what it
+  // would have read has after a reflection, or light of more bounces would be found by chance.
+  const auto gathered = [&](const IrradianceCache& cache, int depth, const CacheRecords& at) {
+    gather.max_depth = depth + 1;
     const bool bumpy = !at.start_shading.empty();
     return record_means(
         at, gather_irradiance(
@@ -121,14 +123,16 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   }
   const IrradianceCache both = cache.relit(records, sum_of(direct, reached));
   const CacheRecords some = picked(records);
-  const std::vector<Rgb> f = picked(reached), of_both = gathered(both, some),
-                         of_direct = gathered(both.answering(direct), some);
+  const std::vector<Rgb> f = picked(reached), of_direct = gathered(both.answering(direct), 1, some),
+                         // Of one bounce, none is passed on.
+      of_both = bounces - rounds > 1 ? gathered(both, 1, some) : of_direct;
   Rgb level;
   for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, bounces - rounds);
   for (size_t i = 0; i < indirect.size(); ++i) indirect[i] = reached[i] * level;
   for (int round = 0; round < rounds; ++round) {
     gather.seed = hash_combine(options.seed, static_cast<uint64_t>(round));
-    indirect = gathered(cache.relit(records, sum_of(direct, indirect)), records);
+    indirect = gathered(cache.relit(records, sum_of(direct, indirect)),
+                        1 + bounces - rounds + round, records);
   }
   return cache.relit(records, sum_of(direct, indirect));
 }

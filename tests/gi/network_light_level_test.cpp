@@ -95,6 +95,34 @@ TEST(NetworkLightLevel, AGuessOfThreeTimesTheLightIsMended) {
   EXPECT_NEAR(sum, expected, 0.15 * expected);
 }
 
+/// Of two bounces nothing is left of the guess, and no light of more comes by rays that go on.
+TEST(NetworkLightLevel, OfFewBouncesLightIsTraced) {
+  const scene::Scene scene = test::furnished_room();
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const CacheRecords records = sample_records(bvh, 2000, 1);
+  for (const int depth : {3, 4}) {
+    const RecordLight truth = estimate_records(bvh, lights, records, 1024, depth - 1, 2);
+    RecordLight guess = truth;
+    for (Rgb& value : guess.indirect) value = {9, 9, 9};
+    LevelOptions options;
+    options.max_depth = depth;
+    options.rays = 16;
+    const IrradianceCache found = level_network_light(bvh, lights, records, guess, options);
+    const IrradianceCache right(bvh, records, truth.total(), truth.direct);
+    double sum = 0, expected = 0;
+    for (size_t i = 0; i < records.position.size(); ++i) {
+      Rgb a, b;
+      if (!found.lookup(records.position[i], records.normal[i], &a) ||
+          !right.lookup(records.position[i], records.normal[i], &b))
+        continue;
+      sum += double{a.y} * double{records.area[i]};
+      expected += double{b.y} * double{records.area[i]};
+    }
+    EXPECT_NEAR(sum, expected, 0.03 * expected) << "depth " << depth;
+  }
+}
+
 TEST(NetworkLightLevel, AnotherNumberOfRecordsIsRefused) {
   const scene::Scene scene = test::furnished_room();
   const pathtrace::Bvh bvh(scene);
