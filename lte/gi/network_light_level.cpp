@@ -17,8 +17,8 @@ constexpr size_t kSampled = 4;
 constexpr float kOutlier = 4;
 
 // Reflections of the leveled guess. One level for a whole scene is wrong in the single rooms of
-// it, the less so the more often the scene itself has carried the light; two rounds have what four
-// have.
+// it, the less so the more often the scene itself has carried the light. At the usual depth of 5 a
+// third would leave nothing of the guess.
 constexpr int kReflections = 2;
 
 /// Of records, every kSampled-th.
