@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """Draws error against time of the methods of `lte_eval scenes`, and prints what each is worth.
 
-  lte_eval scenes assets/scenes/outside --size 128x96 --reference-spp 256 --json outside.json \\
-      --checkpoint lte-base --methods gather-draft,gather,gather-final,network-draft,network,\\
-network-final,paths-4-denoised,paths-16-denoised,paths-64-denoised
-  scripts/figures/error_time.py outside.json --out docs/images/error_time.svg
+  lte_eval scenes assets/scenes/outside --size 128x96 --json outside.json
+  scripts/figures/error_time.py outside.json --only '.*lte-base|gather.*|paths.*' \\
+      --out docs/images/error_time.svg
 
 A dot is a method: median processor seconds of a picture, and the geometric mean over the scenes of
 the error of indirect irradiance (root mean square, relative to its mean). Rows of the same paths
