@@ -111,6 +111,11 @@ PairError pair_error(const Image& picture, const Image& a, const Image& b,
                 a.pixels.size() == b.pixels.size() && picture.width == a.width &&
                 a.width == b.width && (mask.empty() || 3 * mask.size() == a.pixels.size()),
             "pair error: pictures of different sizes");
+  // It would pass for an error below the reference's noise.
+  const auto odd = std::ranges::find_if(picture.pixels, [](float v) { return std::isnan(v); });
+  LTE_CHECK(odd == picture.pixels.end(), "pair error: pixel ",
+            (odd - picture.pixels.begin()) / 3 % picture.width, ", ",
+            (odd - picture.pixels.begin()) / 3 / picture.width, " of the picture is not a number");
   const float cap = cap_of(a, b, mask);
   const Sums sums = sums_of(picture, a, b, mask, cap);
   PairError out;

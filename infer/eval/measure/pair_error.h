@@ -40,7 +40,7 @@ struct PairError {
 /// @param picture, a, b  [height, width, 3]
 /// @param mask           [height * width]: pixels with a non-zero entry count; empty: all
 /// @param paths          n
-/// @throws lte::Error if sizes differ
+/// @throws lte::Error if sizes differ or a value of the picture is not a number
 PairError pair_error(const image::Image& picture, const image::Image& a, const image::Image& b,
                      std::span<const uint8_t> mask, int paths);
 

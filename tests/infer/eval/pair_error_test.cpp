@@ -2,9 +2,11 @@
 #include "infer/eval/measure/pair_error.h"
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace lte::infer {
@@ -174,6 +176,14 @@ TEST(PairError, OfADarkReferenceIsNone) {
   EXPECT_FALSE(found.is_right());
   EXPECT_TRUE(std::isnan(found.mean_ratio) && std::isnan(found.mse) && std::isnan(found.worth));
   EXPECT_THROW(pair_error(Image(8, 8, 3), dark, dark, {}, 4), Error);
+}
+
+TEST(PairError, APixelThatIsNoNumberIsAFault) {
+  const Image truth = smooth_truth(20, 13);
+  Image picture = truth;
+  picture.at(3, 7)[1] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT([&] { pair_error(picture, truth, truth, {}, 1); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("pixel 3, 7 of the picture")));
 }
 
 }  // namespace
