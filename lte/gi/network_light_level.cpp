@@ -114,7 +114,7 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
                 bumpy ? std::span<const Vec3>(at.start_normal) : std::span<const Vec3>())
                 .indirect);
   };
-  const IrradianceCache cache(bvh, records, direct, direct, light.direct_variance);
+  IrradianceCache cache(bvh, records, direct, direct, light.direct_variance);
   if (bounces < 1 || direct.empty()) return cache;
   // A guess is a guess inside of things, too, where no light comes.
   std::vector<Rgb> reached(guess.begin(), guess.end());
