@@ -123,9 +123,10 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   }
   const IrradianceCache both = cache.relit(records, sum_of(direct, reached));
   const CacheRecords some = picked(records);
-  const std::vector<Rgb> f = picked(reached), of_direct = gathered(both.answering(direct), 1, some),
-                         // Of one bounce, none is passed on.
-      of_both = bounces - rounds > 1 ? gathered(both, 1, some) : of_direct;
+  const std::vector<Rgb> f = picked(reached);
+  const std::vector<Rgb> of_direct = gathered(both.answering(direct), 1, some);
+  // Of one bounce, nothing is passed on.
+  const std::vector<Rgb> of_both = bounces - rounds > 1 ? gathered(both, 1, some) : of_direct;
   Rgb level;
   for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, bounces - rounds);
   for (size_t i = 0; i < indirect.size(); ++i) indirect[i] = reached[i] * level;

@@ -44,15 +44,10 @@ constexpr uint32_t tile_index(uint32_t number, uint32_t place) {
   return first + kFirstOfPlaces[tile_place(first) ^ place];
 }
 
-/// The place of a pixel or texel in its tile.
-constexpr uint32_t place_in_tile(uint32_t x, uint32_t y) {
-  return y % kTileEdge * kTileEdge + x % kTileEdge;
-}
-
 /// What a pixel or texel draws that has drawn `number` samples of the same stream.
 inline SampleNumber sample_number(uint64_t stream, uint32_t x, uint32_t y, uint32_t number) {
   const uint64_t tile = uint64_t{y / kTileEdge} << 32 | x / kTileEdge;
-  return {hash_combine(stream, tile), place_in_tile(x, y), number};
+  return {hash_combine(stream, tile), y % kTileEdge * kTileEdge + x % kTileEdge, number};
 }
 
 }  // namespace lte::pathtrace
