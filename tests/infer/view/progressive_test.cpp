@@ -138,6 +138,7 @@ TEST(Progressive, ADraftIsRelitToo) {
 TEST(Progressive, WhatRestsIsHeldToAccountByPaths) {
   SessionSettings settings;
   settings.pictures = Method::Network;
+  settings.cache.max_depth = 20;  // of which two reflections leave much to the network
   Session session(test::furnished_room(), session_test::network(), settings);
   session.separate();
   Progressive picture;
