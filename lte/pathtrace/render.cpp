@@ -15,8 +15,6 @@
 namespace lte::pathtrace {
 namespace {
 
-constexpr int kMaxPaths = 1 << 30;  // a pixel
-
 /// Traces pixels in blocks of paths that may hold several pixels or a part of one.
 class PixelTracer : public LightSink {
  public:

@@ -13,6 +13,9 @@
 
 namespace lte::pathtrace {
 
+/// Paths a pixel, in all calls together.
+inline constexpr int kMaxPaths = 1 << 30;
+
 struct RenderOptions {
   int spp = 64;       ///< paths a pixel, jittered over it
   int max_depth = 6;  ///< surface hits after the camera: a primary hit whose irradiance has depth 5

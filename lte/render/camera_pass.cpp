@@ -22,8 +22,6 @@ constexpr int kTileBits = 3, kTile = 1 << kTileBits;
 constexpr int64_t kStripPixels = int64_t{1} << 15;
 /// Camera rays for the emission of a pixel at a lamp's edge.
 constexpr int kLampRays = 128;
-/// Paths of a pixel in films that no number ends.
-constexpr int64_t kManyPaths = 1 << 30;
 constexpr uint64_t kPaths = 43;  // random numbers of path passes
 
 /// The even bits of a number.
@@ -137,7 +135,7 @@ bool path_pass(const TracedScene& scene, const scene::Camera& camera,
   options.seed = hash_combine(hash_combine(settings.seed, kPaths),
                               static_cast<uint64_t>(film->path_passes % 2));
   options.had = film->path_passes / 2 * settings.path_samples;
-  options.in_all = static_cast<int>(std::min<int64_t>(settings.max_samples, kManyPaths));
+  options.in_all = static_cast<int>(std::min<int64_t>(settings.max_samples, pathtrace::kMaxPaths));
   const auto weight = static_cast<float>(options.spp);
   const int rows = strip_rows(*film);
   std::vector<int64_t> pixels;

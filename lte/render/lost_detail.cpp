@@ -19,16 +19,15 @@ constexpr int64_t kPixelsAtOnce = 1 << 14;
 
 }  // namespace
 
-void restore_lost_detail(const LightEstimate& samples, image::Image LightSums::*layer,
-                         const std::vector<uint8_t>& mask, image::Image* smooth) {
-  const LightSums &a = samples.halves[0], &b = samples.halves[1];
+void restore_lost_detail(const Film& film, image::Image LightSums::*layer, image::Image* smooth) {
+  const LightSums &a = film.gathered.halves[0], &b = film.gathered.halves[1];
   if (a.empty() || b.empty()) return;
-  const size_t pixels = mask.size();
+  const size_t pixels = film.pixels();
   std::vector<uint8_t> known(pixels);
   std::vector<Rgb> mean(pixels);
   double light = 0;
   for (size_t i = 0; i < pixels; ++i) {
-    known[i] = mask[i] != 0 && a.samples[i] > 0 && b.samples[i] > 0;
+    known[i] = !film.sees_metal(i) && a.samples[i] > 0 && b.samples[i] > 0;
     if (known[i] == 0) continue;
     mean[i] = ((a.*layer).rgb(i) + (b.*layer).rgb(i)) *
               (1 / static_cast<float>(a.samples[i] + b.samples[i]));

@@ -7,19 +7,14 @@
 // truth as samples do, however many there are.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "lte/image/image.h"
 #include "lte/render/film.h"
 
 namespace lte::render {
 
-/// Draws denoised light, [height, width, 3], towards the mean of its samples; unchanged where one
-/// half has none.
-/// @param layer  of the samples: direct or indirect
-/// @param mask   [height * width] not 0 in the pixels that take part
-void restore_lost_detail(const LightEstimate& samples, image::Image LightSums::*layer,
-                         const std::vector<uint8_t>& mask, image::Image* smooth);
+/// Draws denoised light, [height, width, 3], towards the mean of the samples of Film::gathered;
+/// unchanged where one half has none, and where metal is seen.
+/// @param layer  direct or indirect
+void restore_lost_detail(const Film& film, image::Image LightSums::*layer, image::Image* smooth);
 
 }  // namespace lte::render

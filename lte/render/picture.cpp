@@ -184,10 +184,8 @@ RadianceLayers gathered_light(const Film& film, const Frame& frame, const Pictur
   });
   if (settings.denoiser != nullptr) {
     denoise_gathered(film, settings, &light);
-    std::vector<uint8_t> lit(film.pixels());
-    for (size_t i = 0; i < lit.size(); ++i) lit[i] = film.is_lit(i);
-    restore_lost_detail(film.gathered, &LightSums::direct, lit, &light.direct);
-    restore_lost_detail(film.gathered, &LightSums::indirect, lit, &light.indirect);
+    restore_lost_detail(film, &LightSums::direct, &light.direct);
+    restore_lost_detail(film, &LightSums::indirect, &light.indirect);
   }
   return seen_light(film, light, settings.output == Output::Irradiance ? nullptr : &frame.albedo,
                     settings.denoiser != nullptr);

@@ -53,8 +53,11 @@ double error_of(const image::Image& image) {
   return std::sqrt(sum / kPixels);
 }
 
-image::Image restored(const LightEstimate& samples, image::Image smooth) {
-  restore_lost_detail(samples, &LightSums::indirect, std::vector<uint8_t>(kPixels, 1), &smooth);
+image::Image restored(const LightEstimate& samples, image::Image smooth, bool metal = false) {
+  Film film(kAcross, kDown);
+  film.gathered = samples;
+  film.has_metal.assign(kPixels, metal ? 1 : 0);
+  restore_lost_detail(film, &LightSums::indirect, &smooth);
   return smooth;
 }
 
@@ -107,12 +110,11 @@ TEST(LostDetail, OfALayerWithNearlyNoLightIsFinite) {
   EXPECT_EQ(restored(none, blurred(0)).pixels, blurred(0).pixels);
 }
 
-TEST(LostDetail, NeedsBothHalvesAndTheMask) {
+TEST(LostDetail, NeedsBothHalvesAndNoMetal) {
   const image::Image smooth = blurred(3);
   LightEstimate samples = sampled(64, 1);
-  image::Image found = smooth;
-  restore_lost_detail(samples, &LightSums::indirect, std::vector<uint8_t>(kPixels, 0), &found);
-  EXPECT_EQ(found.pixels, smooth.pixels);
+  EXPECT_NE(restored(samples, smooth).pixels, smooth.pixels);
+  EXPECT_EQ(restored(samples, smooth, /*metal=*/true).pixels, smooth.pixels);
   samples.halves[1] = {};
   EXPECT_EQ(restored(samples, smooth).pixels, smooth.pixels);
 }

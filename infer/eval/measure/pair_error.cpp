@@ -113,9 +113,9 @@ PairError pair_error(const Image& picture, const Image& a, const Image& b,
             "pair error: pictures of different sizes");
   // It would pass for an error below the reference's noise.
   const auto odd = std::ranges::find_if(picture.pixels, [](float v) { return std::isnan(v); });
-  LTE_CHECK(odd == picture.pixels.end(), "pair error: pixel ",
-            (odd - picture.pixels.begin()) / 3 % picture.width, ", ",
-            (odd - picture.pixels.begin()) / 3 / picture.width, " of the picture is not a number");
+  const auto pixel = (odd - picture.pixels.begin()) / 3;
+  LTE_CHECK(odd == picture.pixels.end(), "pair error: pixel ", pixel % picture.width, ", ",
+            pixel / picture.width, " of the picture is not a number");
   const float cap = cap_of(a, b, mask);
   const Sums sums = sums_of(picture, a, b, mask, cap);
   PairError out;
