@@ -26,7 +26,7 @@ def rivals(run, test):
     points = run.tool("hermosilla", "experiment_paper", "hermosilla", "--config",
                       "configs/train/shipped.yaml", "--data", rooms, "--test", test, "--set",
                       "data.queries_per_scene=512", "--set", "train.scenes_per_step=1", "--seconds",
-                      run.size(3600, 90), "--tuned-seconds", run.size(30, 1.5), "--threads", 1)
+                      run.size(1800, 90), "--tuned-seconds", run.size(5, 1.5), "--threads", 1)
     shading = deep_shading(run, "deep-shading", rooms, test, "train")
     found = (("Deep Shading, by heart", by_heart, views_of(by_heart)),
              ("Deep Shading", shading, views_of(shading)),

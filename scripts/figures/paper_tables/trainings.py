@@ -11,7 +11,7 @@ NETWORKS = ("vanilla", "encoder", "whole")
 SEEDS = (1, 2)
 CONFIG = "configs/train/demo.yaml"
 SETTINGS = ("model.light_input=emission", "train.optimizer=adamw", "data.queries_per_scene=256",
-            "train.scenes_per_step=4", "train.validation_scenes=0",
+            "train.validation_scenes=0",
             "train.validation_queries=1024")
 HARDLY_TRAINED = 0.5  # of the first error: a network above it has learnt next to nothing
 
@@ -28,10 +28,11 @@ def boxes(run, queries=4096):
 def trained(run, label, network, seed, words=(), data=None):
     """One network; rows share its result. Errors are those of the test split, which nothing was
     chosen by."""
-    settings = [f"data.scene_points={run.size(2048, 256)}", *SETTINGS]
+    settings = [f"data.scene_points={run.size(1024, 256)}", *SETTINGS,
+                f"train.scenes_per_step={run.size(2, 4)}"]
     found = run.tool(f"{label}-{seed}", "experiment_paper", "roadmap", "--network", network,
                      "--config", CONFIG, "--data", data or boxes(run),
-                     "--steps", run.size(3000, 1000), "--seed", seed, "--threads", 1,
+                     "--steps", run.size(4000, 1000), "--seed", seed, "--threads", 1,
                      *(w for s in settings for w in ("--set", s)), *words, training=True)
     return found | {"step_ms": 1e3 * found["cpu_seconds"] / found["steps"],
                     "mse": found["test"]["mse"], "share": found["test"]["share"]}
@@ -71,7 +72,7 @@ def set_keys(keys):
 
 def variants(run):
     """What the paper's tables vary."""
-    points, patch = run.size(2048, 256), run.size(256, 32)
+    points, patch = run.size(1024, 256), run.size(128, 32)
     return (
         Variant("kappa 8", ("model.query_neighbours=8",), quick=True),
         Variant("kappa 32", ("model.query_neighbours=32",)),
