@@ -107,7 +107,7 @@ ALLOWED = {
     "datagen/homes/textures": LIBRARY_WITHOUT_TORCH + ["datagen/common"],
     "datagen/wild": LIBRARY_WITHOUT_TORCH + ["datagen/common", "datagen/homes/*"],
     "datagen/bake": LIBRARY_WITHOUT_TORCH + ["lte/cli"],
-    "datagen/dataset": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/common", "datagen/bake",
+    "datagen/dataset": LIBRARY_WITHOUT_TORCH + ["lte/cli/*", "datagen/common", "datagen/bake",
                                                 "datagen/boxes", "datagen/homes", "datagen/wild"],
     "datagen/commands": LIBRARY_WITHOUT_TORCH + ["lte/cli/*", "datagen/bake", "datagen/dataset"],
     "datagen": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/commands"],

@@ -11,6 +11,7 @@
 #include "lte/base/log.h"
 #include "lte/base/to_number.h"
 #include "lte/cli/cli.h"
+#include "lte/cli/scene_flags.h"
 
 namespace lte::datagen {
 namespace {
@@ -101,8 +102,8 @@ void run_generate(GenerateFlags* flags) {
 
 void add_generate_command(CLI::App& app, CommandBody* body) {
   auto flags = std::make_shared<GenerateFlags>();
-  CLI::App* command =
-      app.add_subcommand("generate", "Make a data set of procedural boxes, homes or wild rooms");
+  CLI::App* command = app.add_subcommand(
+      "generate", "Make a data set of procedural boxes, homes or wild rooms, or of scene files");
   CLI::Option* config = command->add_option(
       "--config", flags->config,
       "YAML file; see configs/data/. With --resume the data set's own unless given");
@@ -131,12 +132,15 @@ void add_generate_command(CLI::App& app, CommandBody* body) {
                     "Also write each scene as scenes/NAME.glb, its sky as NAME.sky.exr");
   command->add_flag("--print-config", flags->print_config,
                     "Print the whole configuration and stop");
+  add_scene_flags(*command, &flags->options.loading);
   add_common_options(*command, &flags->common);
   command->footer(
       "Examples:\n"
       "  lte_datagen generate --config configs/data/demo.yaml --out demo --scenes 8 --glb\n"
       "  lte_datagen generate --config configs/data/homes.yaml --out homes --scenes 200\n"
       "  lte_datagen generate --config configs/data/homes.yaml --out homes --shard 0/4 --resume\n"
+      "  lte_datagen generate --config configs/data/files.yaml --out rooms --scenes 20 \\\n"
+      "      --set files.folder=rooms_of_mine\n"
       "  lte_datagen generate --out homes --resume\n"
       "  lte_datagen generate --out homes --merge\n"
       "docs/dataset.md has scripts for SLURM and for shells.");

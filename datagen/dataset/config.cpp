@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -12,7 +13,8 @@ namespace lte::datagen {
 namespace {
 
 constexpr GeneratorKind kGenerators[] = {GeneratorKind::Boxes, GeneratorKind::Homes,
-                                         GeneratorKind::Wild, GeneratorKind::Mixed};
+                                         GeneratorKind::Wild, GeneratorKind::Mixed,
+                                         GeneratorKind::Files};
 
 template <typename Io, typename B>
 void visit_boxes(Io& io, B& boxes) {
@@ -111,6 +113,10 @@ void visit(Io& io, C& config) {
     io("homes", config.mixed.homes);
     io("wild", config.mixed.wild);
   }
+  if (io.covers(config.generator == GeneratorKind::Files)) {
+    io.section("files");
+    io("folder", config.files.folder);
+  }
   if (io.covers(config.makes(GeneratorKind::Boxes))) visit_boxes(io, config.boxes);
   if (io.covers(config.makes(GeneratorKind::Homes))) visit_homes(io, config.homes);
   if (io.covers(config.makes(GeneratorKind::Wild))) visit_wild(io, config.wild);
@@ -139,8 +145,8 @@ class Reader {
     (*this)(key, word);
     for (const GeneratorKind each : kGenerators)
       if (word == generator_name(each)) kind = each;
-    LTE_CHECK(word == generator_name(kind), key, ": expected boxes, homes, wild or mixed, got \"",
-              word, "\"");
+    LTE_CHECK(word == generator_name(kind), key,
+              ": expected boxes, homes, wild, mixed or files, got \"", word, "\"");
   }
 
  private:
@@ -278,6 +284,14 @@ void check_mixed(const MixedConfig& mixed) {
   LTE_CHECK(mixed.boxes + mixed.homes + mixed.wild > 0, "mixed: all shares are 0");
 }
 
+void check_files(const DatagenConfig& config) {
+  LTE_CHECK(!config.files.folder.empty(), "files.folder: is empty; name the folder of the scenes");
+  for (const auto& [key, share] : {std::pair{"metals.share", config.metals.share},
+                                   {"sides.two_sided_share", config.sides.two_sided_share},
+                                   {"sides.flipped_share", config.sides.flipped_share}})
+    LTE_CHECK(share == 0, key, ": scenes of files stay as they are; expected 0, got ", share);
+}
+
 }  // namespace
 
 const char* generator_name(GeneratorKind kind) {
@@ -288,6 +302,8 @@ const char* generator_name(GeneratorKind kind) {
       return "wild";
     case GeneratorKind::Mixed:
       return "mixed";
+    case GeneratorKind::Files:
+      return "files";
     default:
       return "boxes";
   }
@@ -320,6 +336,7 @@ void check_datagen_config(const DatagenConfig& config) {
   range_in("sides.drop_m", config.sides.drop_m, 0.001, 0.7);
   in_range("sides.flipped_share", config.sides.flipped_share, 0.0, 1.0);
   check_mixed(config.mixed);
+  if (config.generator == GeneratorKind::Files) check_files(config);
   if (config.makes(GeneratorKind::Boxes)) check_boxes(config.boxes, config.scale);
   if (config.makes(GeneratorKind::Homes)) check_homes(config.homes, config.scale);
   if (config.makes(GeneratorKind::Wild)) check_wild(config.wild, config.scale);

@@ -17,10 +17,11 @@
 
 namespace lte::datagen {
 
-/// What makes the scenes: a folder of datagen, configured by the section of its name, or all three.
-enum class GeneratorKind { Boxes, Homes, Wild, Mixed };
+/// What makes the scenes: a folder of datagen, configured by the section of its name, or all three;
+/// or nothing, where they are read from files.
+enum class GeneratorKind { Boxes, Homes, Wild, Mixed, Files };
 
-/// "boxes", "homes", "wild" or "mixed".
+/// "boxes", "homes", "wild", "mixed" or "files".
 const char* generator_name(GeneratorKind kind);
 
 /// `mixed:` in the YAML config: shares of scenes, of which at least one is above 0.
@@ -28,7 +29,14 @@ struct MixedConfig {
   double boxes = 1, homes = 1, wild = 1;
 };
 
-/// The names match the YAML keys, which configs/data/{base,boxes,homes,wild,mixed}.yaml explain.
+/// `files:` in the YAML config: scenes as scene::find_scenes() finds them, scene i that of file i.
+/// They stay as they are: neither `metals` nor `sides`.
+struct FilesConfig {
+  std::string folder;
+};
+
+/// The names match the YAML keys, which base, boxes, homes, wild, mixed and files.yaml of
+/// configs/data explain.
 struct DatagenConfig {
   int64_t scenes = 1000;
   uint64_t seed = 1;
@@ -45,6 +53,7 @@ struct DatagenConfig {
   homes::HomeConfig homes;
   wild::WildConfig wild;
   MixedConfig mixed;
+  FilesConfig files;
 
   /// Whether some of the scenes are of this generator.
   bool makes(GeneratorKind kind) const;

@@ -60,6 +60,8 @@ bool has_scenes_named_rooms(const fs::path& out) {
   return false;
 }
 
+/// Of files nobody knows before they are read: a model that learns from them counts as one that has
+/// seen none.
 bool has_suns(const DatagenConfig& config) {
   const boxes::RoomConfig& rooms = config.boxes;
   const bool boxes = (rooms.open_share > 0 && rooms.sky_share > 0) ||
@@ -211,6 +213,7 @@ std::string scene_name(GeneratorKind kind, int64_t index) {
     case GeneratorKind::Wild:
       return numbered("wild", index);
     case GeneratorKind::Mixed:
+    case GeneratorKind::Files:
       return numbered("scene", index);
     default:
       return numbered("box", index);

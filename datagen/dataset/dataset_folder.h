@@ -20,7 +20,8 @@ struct FolderState {
 
 /// config.yaml of a data set's directory.
 std::filesystem::path config_path(const std::filesystem::path& out);
-/// "home_00042", "box_00042", "wild_00042" or, mixed, "scene_00042". Seeds do not depend on it.
+/// "home_00042", "box_00042", "wild_00042" or, mixed or of a file, "scene_00042". Seeds do not
+/// depend on it.
 std::string scene_name(GeneratorKind kind, int64_t index);
 /// The seed from which scene `index` of a data set is made.
 uint64_t scene_seed(uint64_t dataset_seed, int64_t index);

@@ -16,7 +16,9 @@
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/scene/export.h"
+#include "lte/scene/find_scenes.h"
 #include "lte/scene/light_points.h"
+#include "lte/scene/load_camera.h"
 
 namespace lte::datagen {
 namespace {
@@ -53,14 +55,35 @@ void release_free_memory() {
 #endif
 }
 
+/// The files of the scenes, in order; none where a generator makes them.
+std::vector<scene::FoundScene> files_of(const DatagenConfig& config) {
+  if (config.generator != GeneratorKind::Files) return {};
+  std::vector<scene::FoundScene> files = scene::find_scenes({config.files.folder}).scenes;
+  LTE_CHECK(config.scenes <= static_cast<int64_t>(files.size()), "scenes: expected at most ",
+            files.size(), ", as many as there are in files.folder, ", config.files.folder, ", got ",
+            config.scenes);
+  return files;
+}
+
+scene::Scene read_scene(const scene::FoundScene& file, const SceneFlags& loading) {
+  scene::Scene scene = load_scene(file.path, loading);
+  if (!file.camera.empty()) scene.cameras = {scene::load_camera(file.camera)};
+  return scene;
+}
+
 class Generator {
  public:
   Generator(const DatagenConfig& config, const GenerateOptions& options,
             const SceneMaker& make_scene)
-      : config_(config), options_(options), make_scene_(make_scene), folder_(config, options.out) {
+      : config_(config),
+        options_(options),
+        files_(files_of(config)),
+        make_scene_(make_scene),
+        folder_(config, options.out) {
     if (make_scene_) return;
-    make_scene_ = [&config](uint64_t seed, const std::string& name) {
-      return generate_scene(config, seed, name);
+    make_scene_ = [this](int64_t index, const std::string& name) {
+      if (!files_.empty()) return read_scene(files_[static_cast<size_t>(index)], options_.loading);
+      return generate_scene(config_, scene_seed(config_.seed, index), name);
     };
   }
 
@@ -85,12 +108,16 @@ class Generator {
   void make(const std::vector<int64_t>& todo, Manifest* manifest);
   SceneRecord attempt(int64_t index) const;
   void make_scene(int64_t index, SceneRecord* record) const;
+  std::string source_of(int64_t index) const {
+    return files_.empty() ? "" : files_[static_cast<size_t>(index)].name;
+  }
   fs::path glb_path(int64_t index) const {
     return folder_.scene_path(index).replace_extension(".glb");
   }
 
   const DatagenConfig& config_;
   const GenerateOptions& options_;
+  std::vector<scene::FoundScene> files_;
   SceneMaker make_scene_;
   DatasetFolder folder_;
   GenerateResult result_;
@@ -107,7 +134,9 @@ std::vector<int64_t> Generator::keep_what_is_there() {
   for (int64_t i = options_.shard.index; i < config_.scenes; i += options_.shard.count) {
     const auto found = records.find(i);
     const SceneRecord* record = found == records.end() ? nullptr : &found->second;
-    const bool done = options_.resume && folder_.is_done(i, record);
+    // Files may have come or gone since.
+    const bool same = record == nullptr || record->source == source_of(i);
+    const bool done = options_.resume && same && folder_.is_done(i, record);
     if (done) ++result_.kept;
     if (done && record != nullptr && record->error.empty()) {
       ++timed_;
@@ -116,7 +145,7 @@ std::vector<int64_t> Generator::keep_what_is_there() {
     if (!done) {
       todo.push_back(i);
     } else if (options_.glb && !fs::exists(glb_path(i))) {
-      export_glb(glb_path(i), make_scene_(scene_seed(config_.seed, i), folder_.name_of(i)));
+      export_glb(glb_path(i), make_scene_(i, folder_.name_of(i)));
     }
   }
   return todo;
@@ -153,6 +182,7 @@ SceneRecord Generator::attempt(int64_t index) const {
   record.name = folder_.name_of(index);
   record.split = data::split_name(folder_.split_of(index));
   record.seed = scene_seed(config_.seed, index);
+  record.source = source_of(index);
   const Timer timer;
   try {
     make_scene(index, &record);
@@ -167,7 +197,7 @@ SceneRecord Generator::attempt(int64_t index) const {
 
 void Generator::make_scene(int64_t index, SceneRecord* record) const {
   const Timer timer;
-  const scene::Scene scene = make_scene_(record->seed, record->name);
+  const scene::Scene scene = make_scene_(index, record->name);
   record->generate_s = timer.seconds();
   record->triangles = scene.triangle_count();
   const Vec3 extent = scene::point_bounds(scene).extent();
@@ -225,6 +255,7 @@ GeneratorKind generator_of(const DatagenConfig& config, uint64_t seed) {
 
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name) {
   const GeneratorKind kind = generator_of(config, seed);
+  LTE_CHECK(kind != GeneratorKind::Files, "generator: files have no scene of a seed");
   scene::Scene scene;
   SideConfig sides = config.sides;
   if (kind == GeneratorKind::Wild) {
@@ -241,6 +272,12 @@ scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const st
 }
 
 scene::Scene make_scene(const DatagenConfig& config, int64_t index) {
+  if (config.generator == GeneratorKind::Files) {
+    const std::vector<scene::FoundScene> files = files_of(config);
+    LTE_CHECK(index >= 0 && index < static_cast<int64_t>(files.size()), "index: expected one of ",
+              files.size(), " files, got ", index);
+    return read_scene(files[static_cast<size_t>(index)], {});
+  }
   return generate_scene(config, scene_seed(config.seed, index),
                         scene_name(config.generator, index));
 }

@@ -9,6 +9,7 @@
 
 #include "datagen/dataset/config.h"
 #include "datagen/dataset/dataset_folder.h"
+#include "lte/cli/scene_flags.h"
 
 namespace lte::datagen {
 
@@ -18,6 +19,7 @@ struct GenerateOptions {
   bool resume = false;  ///< keep the valid scenes that are there
   bool strict = false;  ///< end at the first scene that fails
   bool glb = false;     ///< also write scenes/NAME.glb
+  SceneFlags loading;   ///< of scene files
 };
 
 struct GenerateResult {
@@ -29,8 +31,8 @@ struct GenerateResult {
   std::string first_error;  ///< "home_00017: what went wrong"
 };
 
-/// Makes one scene of a data set: `seed`, `name`.
-using SceneMaker = std::function<scene::Scene(uint64_t, const std::string&)>;
+/// Makes one scene of a data set: `index`, `name`.
+using SceneMaker = std::function<scene::Scene(int64_t, const std::string&)>;
 
 /// Makes config.yaml, manifest/, scenes/ and, when every scene of the whole data set is there or
 /// has failed, dataset.json. A configuration gives the same bytes, but for the manifests, whatever
@@ -42,10 +44,10 @@ using SceneMaker = std::function<scene::Scene(uint64_t, const std::string&)>;
 /// A scene that fails is recorded in the manifest and left out. kFailuresInARow failures in a row
 /// end the run, since then something other than the scenes is at fault. So does a full disk, at
 /// once.
-/// @param make_scene  for scenes of other sources; empty for generate_scene()
+/// @param make_scene  for scenes of other sources; empty for those of the configuration
 /// @throws lte::Error if `out` is not empty and not a data set of this configuration, or holds
-///         scenes of this shard and `resume` is not set, another process is at work on them, or a
-///         file cannot be written.
+///         scenes of this shard and `resume` is not set, another process is at work on them, a
+///         file cannot be written, or there are fewer files than scenes that are to be read.
 GenerateResult generate_dataset(const DatagenConfig& config, const GenerateOptions& options,
                                 const SceneMaker& make_scene = {});
 
@@ -58,7 +60,7 @@ GenerateResult merge_dataset(const std::filesystem::path& out);
 /// The generator of a seed's scene: the configured one, or of mixed ones that which the seed draws.
 GeneratorKind generator_of(const DatagenConfig& config, uint64_t seed);
 
-/// Makes the scene of a seed with that generator.
+/// Makes the scene of a seed with that generator, which is none of files.
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name);
 
 /// Scene `index` of a data set of this configuration, as generate_dataset() makes it.

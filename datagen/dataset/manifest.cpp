@@ -58,6 +58,7 @@ Json to_json(const SceneRecord& record) {
             {"index", record.index}, {"seed", record.seed},
             {"split", record.split}, {"status", record.error.empty() ? "baked" : "failed"},
             {"time", utc_time()},    {"seconds", record.seconds}};
+  if (!record.source.empty()) json["source"] = record.source;
   if (!record.error.empty()) {
     json["error"] = record.error;
     return json;
@@ -83,6 +84,7 @@ bool parse_record(const std::string& line, SceneRecord* record) {
     record->split = json.at("split").get<std::string>();
     record->seed = json.at("seed").get<uint64_t>();
     record->seconds = json.at("seconds").get<double>();
+    record->source = json.value("source", "");
     record->error = json.value("error", "");
     if (!record->error.empty()) return true;
     record->generate_s = json.at("generate_seconds").get<double>();

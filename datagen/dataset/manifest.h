@@ -31,6 +31,7 @@ struct SceneRecord {
   int64_t rays = 0;                                ///< paths started, whatever for
   int64_t triangles = 0;                           ///< of all instances
   int64_t bytes = 0;                               ///< of the scene file
+  std::string source;                              ///< the file it was read from; else empty
 };
 
 /// What all runs say about each scene, by index: its baking if any run baked it, else its last

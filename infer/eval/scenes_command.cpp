@@ -65,10 +65,10 @@ std::vector<SceneModel> load_models(const std::vector<fs::path>& files, const To
   return out;
 }
 
-void claim_scene_files(const ScenesRequest& request, const SceneFiles& scenes,
+void claim_scene_files(const ScenesRequest& request, const scene::FoundScenes& scenes,
                        const std::vector<fs::path>& checkpoints, const ToolOptions& tool,
                        CommandFiles* files) {
-  for (const SceneFile& scene : scenes.scenes) {
+  for (const scene::FoundScene& scene : scenes.scenes) {
     files->reads("SCENES", scene.path);
     files->reads("SCENES", scene.camera);
   }
@@ -144,7 +144,7 @@ void run_scenes(const ScenesRequest& request, const ToolOptions& tool) {
   LTE_CHECK(options.width >= kMinSide && options.height >= kMinSide, "--size ", request.size,
             ": SSIM needs ", kMinSide, " pixels a side or more");
   scene_methods(words_of(request), {});
-  const SceneFiles scenes = find_scenes(request.places);
+  const scene::FoundScenes scenes = scene::find_scenes(request.places);
   const std::vector<fs::path> checkpoints = checkpoints_of(request);
   CommandFiles files;
   claim_scene_files(request, scenes, checkpoints, tool, &files);

@@ -31,7 +31,7 @@ bool is_far(const scene::Camera& camera, const Bounds& bounds) {
 
 }  // namespace
 
-SceneView load_view(const SceneFile& file, const SceneFlags& loading, float aspect,
+SceneView load_view(const scene::FoundScene& file, const SceneFlags& loading, float aspect,
                     const std::shared_ptr<SharedDenoiser>& denoiser) {
   SceneView view;
   view.name = file.name;
@@ -59,7 +59,7 @@ SceneView load_view(const SceneFile& file, const SceneFlags& loading, float aspe
   return view;
 }
 
-void check_camera_file(const SceneFile& file, const SceneView& view, float aspect) {
+void check_camera_file(const scene::FoundScene& file, const SceneView& view, float aspect) {
   const pathtrace::Bvh& bvh = view.renderer->bvh();
   const Bounds& bounds = bvh.bounds();
   const auto fail = [&](const char* what) {

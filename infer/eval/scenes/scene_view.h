@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "infer/eval/scenes/scene_files.h"
 #include "infer/renderer/renderer.h"
 #include "lte/cli/scene_flags.h"
+#include "lte/scene/find_scenes.h"
 #include "lte/scene/scene.h"
 
 namespace lte::infer {
@@ -25,12 +25,12 @@ struct SceneView {
 /// Loads a scene. Its camera is that of its camera file, else its first one, else the automatic
 /// one. A scene without light gets some, as --add-light auto gives it.
 /// @throws lte::Error as load_scene(), and naming the camera file
-SceneView load_view(const SceneFile& file, const SceneFlags& loading, float aspect,
+SceneView load_view(const scene::FoundScene& file, const SceneFlags& loading, float aspect,
                     const std::shared_ptr<SharedDenoiser>& denoiser);
 
 /// @throws lte::Error naming the camera file, where it cannot be that of this scene: it stands far
 ///         outside, or sees hardly anything, or nothing that is lit
-void check_camera_file(const SceneFile& file, const SceneView& view, float aspect);
+void check_camera_file(const scene::FoundScene& file, const SceneView& view, float aspect);
 
 /// Which pixels' irradiance counts, [height * width]: those whose centre sees a surface that is
 /// no metal and emits nothing. Emitters count where hardly anything else is seen, as in a room

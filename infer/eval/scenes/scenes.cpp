@@ -29,7 +29,7 @@ constexpr int kFigures = 1;
 /// A run over scenes: what they share.
 class ScenesRun {
  public:
-  ScenesRun(const SceneFiles& files, const std::vector<SceneModel>& models,
+  ScenesRun(const scene::FoundScenes& files, const std::vector<SceneModel>& models,
             const std::vector<std::string>& words, const ScenesOptions& options)
       : files_(files),
         models_(models),
@@ -42,7 +42,7 @@ class ScenesRun {
 
   /// Before anything is computed.
   void check_camera_files() {
-    for (const SceneFile& file : files_.scenes) {
+    for (const scene::FoundScene& file : files_.scenes) {
       if (file.camera.empty()) continue;
       scene::load_camera(file.camera);
       std::optional<SceneView> view;
@@ -88,7 +88,7 @@ class ScenesRun {
     return concat(scene.name, ": ", right, " of ", measured, " methods right");
   }
 
-  SceneOutcome outcome_of(const SceneFile& file) {
+  SceneOutcome outcome_of(const scene::FoundScene& file) {
     SceneOutcome out;
     out.name = file.name;
     try {
@@ -202,7 +202,7 @@ class ScenesRun {
     ScenePainter(view, {32, 24, options_.max_depth, options_.seed, options_.memory}).paint(method);
   }
 
-  const SceneFiles& files_;
+  const scene::FoundScenes& files_;
   const std::vector<SceneModel>& models_;
   const ScenesOptions& options_;
   const std::vector<SceneMethod> methods_;
@@ -222,7 +222,7 @@ class ScenesRun {
 
 }  // namespace
 
-ScenesResult evaluate_scenes(const SceneFiles& files, const std::vector<SceneModel>& models,
+ScenesResult evaluate_scenes(const scene::FoundScenes& files, const std::vector<SceneModel>& models,
                              const std::vector<std::string>& method_words,
                              const ScenesOptions& options) {
   check_kept_pairs(options.references);

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "infer/eval/measure/pair_error.h"
-#include "infer/eval/scenes/scene_files.h"
 #include "infer/eval/scenes/scene_methods.h"
 #include "lte/cli/scene_flags.h"
+#include "lte/scene/find_scenes.h"
 
 namespace lte::infer {
 
@@ -67,7 +67,7 @@ MethodSummary summary_of(const ScenesResult& result, size_t method);
 /// on.
 /// @throws lte::Error for a camera file that cannot be its scene's, ReferenceFault for kept
 ///         references, and what was said about the first scene if none could be measured
-ScenesResult evaluate_scenes(const SceneFiles& files, const std::vector<SceneModel>& models,
+ScenesResult evaluate_scenes(const scene::FoundScenes& files, const std::vector<SceneModel>& models,
                              const std::vector<std::string>& method_words,
                              const ScenesOptions& options);
 

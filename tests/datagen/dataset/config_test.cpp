@@ -123,12 +123,27 @@ TEST(DatagenConfig, ShippedFilesOfWildRoomsAreValidAndNameEveryKey) {
   EXPECT_EQ(shipped("wild_test").test_share, 1);
   const DatagenConfig mixed = shipped("mixed");
   EXPECT_TRUE(mixed.makes(GeneratorKind::Homes) && mixed.makes(GeneratorKind::Boxes));
-  EXPECT_THAT(error_in("generator: wold"), HasSubstr("expected boxes, homes, wild or mixed"));
+  EXPECT_THAT(error_in("generator: wold"),
+              HasSubstr("expected boxes, homes, wild, mixed or files"));
   EXPECT_THAT(error_in("generator: wild\nwild: {cells: [1, 6]}"), HasSubstr("wild.cells"));
   EXPECT_THAT(error_in("generator: wild\nwild: {extent_m: [2, 20]}"), HasSubstr("wild.extent_m"));
   EXPECT_THAT(error_in("generator: wild\nwild: {extend_m: [2, 3]}"), HasSubstr("extend_m"));
   EXPECT_THAT(error_in("generator: mixed\nmixed: {boxes: 0, homes: 0, wild: 0}"),
               HasSubstr("mixed"));
+}
+
+TEST(DatagenConfig, ScenesOfFilesNameTheirFolderAndStayAsTheyAre) {
+  EXPECT_THAT(error_in("generator: files"), HasSubstr("files.folder"));
+  const std::string files = "generator: files\nfiles: {folder: a}\n";
+  EXPECT_THAT(error_in(files + "metals: {share: 0.5}"), HasSubstr("metals.share"));
+  EXPECT_THAT(error_in(files + "sides: {two_sided_share: 0.5}"), HasSubstr("two_sided_share"));
+  EXPECT_THAT(error_in(files + "sides: {flipped_share: 0.5}"), HasSubstr("flipped_share"));
+  const DatagenConfig config =
+      load_datagen_config(concat(LTE_SOURCE_DIR, "/configs/data/files.yaml"), {"files.folder=a b"});
+  EXPECT_EQ(config.generator, GeneratorKind::Files);
+  EXPECT_EQ(config.files.folder, "a b");
+  const std::string text = to_yaml(config);
+  EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
 }
 
 TEST(DatagenConfig, FormerNamesAreRead) {

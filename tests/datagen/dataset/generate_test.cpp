@@ -14,6 +14,11 @@
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/data/dataset.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/placement/auto_camera.h"
+#include "lte/scene/export.h"
+#include "lte/scene/load.h"
+#include "lte/scene/load_camera.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/dataset/generate_fixture.h"
 #include "tests/datagen/scenes.h"
@@ -153,9 +158,9 @@ TEST_F(Generate, AFailedSceneIsWrittenDownLeftOutAndTriedAgain) {
   const DatagenConfig config = tiny_config();
   generate("whole", config);
   bool broken = true;
-  const SceneMaker maker = [&](uint64_t seed, const std::string& name) {
+  const SceneMaker maker = [&](int64_t index, const std::string& name) {
     LTE_CHECK(!broken || name != "box_00003", "the roof fell in");
-    return generate_scene(config, seed, name);
+    return generate_scene(config, scene_seed(config.seed, index), name);
   };
   GenerateOptions options;
   options.out = folder_ / "a";
@@ -184,7 +189,7 @@ TEST_F(Generate, FailuresInARowEndTheRun) {
   DatagenConfig config = tiny_config();
   config.scenes = 3 * kFailuresInARow;
   int calls = 0;
-  const SceneMaker maker = [&](uint64_t, const std::string&) -> scene::Scene {
+  const SceneMaker maker = [&](int64_t, const std::string&) -> scene::Scene {
     ++calls;
     throw Error("no power");
   };
@@ -202,9 +207,9 @@ TEST_F(Generate, AFullDiskEndsTheRunAtOnceAndResumeGoesOn) {
   // The disk fills up while the third scene is in work.
   int calls = 0;
   std::optional<lte::test::FileLimit> full;
-  const SceneMaker maker = [&](uint64_t seed, const std::string& name) {
+  const SceneMaker maker = [&](int64_t index, const std::string& name) {
     if (++calls == 3) full.emplace(size / 2);
-    return generate_scene(config, seed, name);
+    return generate_scene(config, scene_seed(config.seed, index), name);
   };
   GenerateOptions options;
   options.out = folder_ / "a";
@@ -271,20 +276,20 @@ TEST_F(Generate, PrunedSetsKeepEveryPointLight) {
   config.bake.prune = true;
   GenerateOptions options;
   options.out = folder_ / "lit";
-  generate_dataset(config, options, [](uint64_t seed, const std::string& name) {
+  generate_dataset(config, options, [](int64_t index, const std::string& name) {
     scene::Scene scene = lte::test::dark_room();
     scene.name = name;
-    for (uint64_t i = 0; i < 1 + seed % 8; ++i)
+    for (int64_t i = 0; i < 1 + 2 * index; ++i)
       lte::test::add_point_light(&scene, {0.3f, 0.3f + 0.2f * static_cast<float>(i), 0.3f},
                                  {1, 1, 1});
     return scene;
   });
   const data::DatasetInfo info = data::read_dataset_info(folder_ / "lit");
   ASSERT_EQ(info.scenes.size(), 4u);
-  for (const data::DatasetEntry& entry : info.scenes) {
+  for (int64_t scene = 0; scene < 4; ++scene) {
     const data::SceneSample sample =
-        data::read_scene_sample(data::scene_path(folder_ / "lit", entry.name));
-    ASSERT_EQ(sample.light_groups, static_cast<int64_t>(1 + entry.seed % 8));
+        data::read_scene_sample(data::scene_path(folder_ / "lit", box_name(scene)));
+    ASSERT_EQ(sample.light_groups, 1 + 2 * scene);
     std::vector<double> strength(static_cast<size_t>(sample.light_groups), 0.0);
     for (size_t i = 0; i < sample.scene_light.size(); ++i)
       if (sample.scene_light[i] >= 0)
@@ -401,6 +406,46 @@ TEST_F(Generate, HomesAreTheSameBytesAndAnotherConfigurationIsRefused) {
   EXPECT_THAT(error_of([&] { generate("a", config, true); }), HasSubstr("clutter"));
   config.generator = GeneratorKind::Boxes;
   EXPECT_THAT(error_of([&] { generate("a", config, true); }), HasSubstr("generator: \"homes\""));
+}
+
+/// Scenes written as files, one of them with a camera beside it.
+TEST_F(Generate, ScenesOfFilesAreReadAndRefusedWhereThereAreTooFew) {
+  DatagenConfig made = tiny_config();
+  const std::filesystem::path folder = folder_ / "mine";
+  std::filesystem::create_directories(folder / "inner");
+  const auto write = [&](const char* name, int64_t index) {
+    scene::write_glb(folder / name, make_scene(made, index));
+  };
+  write("b.glb", 0);
+  write("inner/c.glb", 1);
+  const scene::Scene scene = scene::load_scene(folder / "b.glb");
+  const scene::Camera camera = pathtrace::auto_camera(pathtrace::Bvh(scene), 7);
+  write_file(folder / "b.camera.json", scene::camera_json(camera));
+
+  DatagenConfig config = tiny_config();
+  config.generator = GeneratorKind::Files;
+  config.files.folder = folder.string();
+  config.scenes = 3;
+  EXPECT_THAT(error_of([&] { generate("read", config); }),
+              AllOf(HasSubstr("scenes: expected at most 2"), HasSubstr("mine"), HasSubstr("3")));
+  config.scenes = 2;
+  EXPECT_EQ(generate("read", config).baked, 2);
+  EXPECT_EQ(read_manifests(folder_ / "read").at(1).source, "inner/c.glb");
+  const data::SceneSample first =
+      data::read_scene_sample(data::scene_path(folder_ / "read", "scene_00000"));
+  BakeOptions options = bake_options(config, 0, make_scene(config, 0));
+  ASSERT_EQ(options.view_cameras.size(), 1u);
+  EXPECT_EQ(options.view_cameras[0].origin.x, camera.origin.x);
+  const data::SceneSample same = bake_scene(scene, options, false);
+  EXPECT_EQ(floats(first.indirect), floats(same.indirect));
+  ASSERT_EQ(first.views.size(), 1u);
+  EXPECT_EQ(floats(first.views[0].indirect), floats(same.views[0].indirect));
+
+  // A file more, before the others: each scene is another one now.
+  write("a.glb", 2);
+  EXPECT_EQ(generate("read", config, true).baked, 2);
+  EXPECT_EQ(read_manifests(folder_ / "read").at(1).source, "b.glb");
+  EXPECT_EQ(generate("read", config, true).kept, 2);
 }
 
 TEST_F(Generate, RefusesForeignUsedAndDifferentDirectories) {

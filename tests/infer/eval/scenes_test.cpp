@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "infer/eval/scenes/scene_files.h"
 #include "lte/base/file.h"
 #include "lte/image/exr.h"
+#include "lte/scene/find_scenes.h"
 #include "tests/infer/tools_fixture.h"
 
 namespace lte::infer {
@@ -265,9 +265,9 @@ TEST_F(Scenes, PartsOfOtherScenesAreLeftOut) {
   write_file(at("set/materials.pbrt"), "Material \"diffuse\"");
   for (const char* name : {"mesh/a.ply", "mesh/b.PLY", "c.txt"})
     write_file(at(std::string("set/") + name), "");
-  const SceneFiles found = find_scenes({at("set")});
+  const scene::FoundScenes found = scene::find_scenes({at("set")});
   std::vector<std::string> names;
-  for (const SceneFile& scene : found.scenes) names.push_back(scene.name);
+  for (const scene::FoundScene& scene : found.scenes) names.push_back(scene.name);
   EXPECT_THAT(names, testing::UnorderedElementsAre("broken.gltf", "inner/dark.glb", "mesh/b.PLY",
                                                    "room.glb", "scene.pbrt"));
   EXPECT_EQ(found.parts, 2);

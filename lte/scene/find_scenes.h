@@ -1,20 +1,20 @@
-// Which files of a command line are scenes, and which camera stands beside each.
+// Which of some files and folders are scenes, and which camera stands beside each.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-namespace lte::infer {
+namespace lte::scene {
 
-struct SceneFile {
+struct FoundScene {
   std::filesystem::path path;
   std::string name;              ///< below the folder that was given; unlike all others
   std::filesystem::path camera;  ///< NAME.camera.json beside NAME.glb; empty: there is none
 };
 
-struct SceneFiles {
-  std::vector<SceneFile> scenes;
+struct FoundScenes {
+  std::vector<FoundScene> scenes;
   int parts = 0;  ///< files of folders that belong to other scenes
 };
 
@@ -23,6 +23,6 @@ struct SceneFiles {
 /// that a .pbrt names are parts of other scenes and left out.
 /// @throws lte::Error naming a path that is not there, a file that is no scene or a folder without
 ///         any
-SceneFiles find_scenes(const std::vector<std::string>& places);
+FoundScenes find_scenes(const std::vector<std::string>& places);
 
-}  // namespace lte::infer
+}  // namespace lte::scene

@@ -1,4 +1,4 @@
-#include "infer/eval/scenes/scene_files.h"
+#include "lte/scene/find_scenes.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include "lte/base/file.h"
 #include "lte/base/text.h"
 
-namespace lte::infer {
+namespace lte::scene {
 namespace {
 
 namespace fs = std::filesystem;
@@ -47,7 +47,7 @@ int take_parts(std::vector<fs::path>* files) {
   }));
 }
 
-void add_folder(const fs::path& folder, SceneFiles* out) {
+void add_folder(const fs::path& folder, FoundScenes* out) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file() && is_scene_name(entry.path())) files.push_back(entry.path());
@@ -62,8 +62,8 @@ void add_folder(const fs::path& folder, SceneFiles* out) {
 
 }  // namespace
 
-SceneFiles find_scenes(const std::vector<std::string>& places) {
-  SceneFiles out;
+FoundScenes find_scenes(const std::vector<std::string>& places) {
+  FoundScenes out;
   for (const std::string& place : places) {
     const fs::path path(place);
     LTE_CHECK(fs::exists(path), place, ": no such file or folder");
@@ -75,13 +75,13 @@ SceneFiles find_scenes(const std::vector<std::string>& places) {
     out.scenes.push_back({path, path.filename().string(), camera_beside(path)});
   }
   std::map<std::string, int> count;
-  for (const SceneFile& scene : out.scenes) ++count[scene.name];
+  for (const FoundScene& scene : out.scenes) ++count[scene.name];
   std::set<std::string> taken;
-  for (SceneFile& scene : out.scenes) {
+  for (FoundScene& scene : out.scenes) {
     if (count[scene.name] > 1) scene.name = scene.path.generic_string();
     LTE_CHECK(taken.insert(scene.name).second, scene.name, ": is given twice");
   }
   return out;
 }
 
-}  // namespace lte::infer
+}  // namespace lte::scene
