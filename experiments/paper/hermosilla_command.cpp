@@ -92,7 +92,7 @@ class Training {
   nlohmann::json score(const std::vector<EvalScene>& test, double tuned_seconds) {
     std::map<std::string, TestScene> known;
     const std::vector<at::Tensor> trained = copies();
-    return score_views(
+    nlohmann::json out = score_views(
         test, [&](const EvalScene& scene, const data::View&, const infer::ViewPixels& pixels) {
           auto found = known.find(scene.sample.name);
           if (found == known.end()) {
@@ -101,6 +101,8 @@ class Training {
           }
           return answer(network_, found->second, scene, pixels);
         });
+    restore(trained);
+    return out;
   }
 
   double loss() const { return loss_; }
@@ -120,12 +122,14 @@ class Training {
     return out;
   }
 
+  void restore(const std::vector<at::Tensor>& weights) {
+    const at::NoGradGuard no_grad;
+    std::vector<at::Tensor> parameters = network_->parameters();
+    for (size_t i = 0; i < parameters.size(); ++i) parameters[i].copy_(weights[i]);
+  }
+
   void tune(const TestScene& scene, const std::vector<at::Tensor>& from, double seconds) {
-    {
-      const at::NoGradGuard no_grad;
-      std::vector<at::Tensor> parameters = network_->parameters();
-      for (size_t i = 0; i < parameters.size(); ++i) parameters[i].copy_(from[i]);
-    }
+    restore(from);
     torch::optim::Adam optimizer(network_->parameters(), torch::optim::AdamOptions());
     train_for({seconds, kTunedRate * TimedTraining().rate}, optimizer,
               [&] { return loss_of(scene.example, scene.levels); });
@@ -142,11 +146,14 @@ void run(const HermosillaTrial& request) {
   begin_trial(request);
   // Direct light on scene points is read.
   const train::TrainConfig config = training_config(request, {"model.light_input=traced"});
-  const std::vector<EvalScene> test = read_eval_scenes(request.test, data::Split::Test);
   Training training(request, config);
   const int64_t steps = training.train();
-  nlohmann::json json = training.score(test, 0);
-  if (request.tuned_seconds > 0) json["tuned"] = training.score(test, request.tuned_seconds);
+  nlohmann::json json =
+      score_tests(request.test, request.also, [&](const std::vector<EvalScene>& scenes) {
+        nlohmann::json out = training.score(scenes, 0);
+        if (request.tuned_seconds > 0) out["tuned"] = training.score(scenes, request.tuned_seconds);
+        return out;
+      });
   std::printf("hermosilla: %lld steps, MSE %.4g, SSIM %.3f\n", static_cast<long long>(steps),
               json["mse"].get<double>(), json["ssim"].get<double>());
   json.update({{"parameters", training.parameters()},

@@ -24,6 +24,7 @@ void add_data_option(CLI::App& command, Trial* trial, const std::string& what) {
 
 void add_test_option(CLI::App& command, Trial* trial) {
   command.add_option("--test", trial->test, "Data set whose test split is scored")->required();
+  command.add_option("--also", trial->also, "Others, scored in \"also\"");
 }
 
 void add_seconds_option(CLI::App& command, Trial* trial) {

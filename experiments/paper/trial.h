@@ -20,7 +20,7 @@ namespace lte::experiments {
 /// What one run is given. A subcommand has the flags of it that it adds.
 struct Trial {
   std::string config, data, test, checkpoint;
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides, also;
   double seconds = 60;  ///< processor time of training
   uint64_t seed = 1;
   CommonOptions common;
@@ -28,7 +28,7 @@ struct Trial {
 
 void add_config_options(CLI::App& command, Trial* trial);  ///< --config and --set
 void add_data_option(CLI::App& command, Trial* trial, const std::string& what);
-void add_test_option(CLI::App& command, Trial* trial);
+void add_test_option(CLI::App& command, Trial* trial);  ///< --test and --also
 void add_seconds_option(CLI::App& command, Trial* trial);
 
 /// A number of what the text says, of at least `least`, 0 or 1, with its default shown.

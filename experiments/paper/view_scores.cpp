@@ -97,4 +97,14 @@ nlohmann::json score_views(const std::vector<EvalScene>& scenes, const AnswerVie
           {"worth", worth.empty() ? nlohmann::json() : number(worth.front().views.all)}};
 }
 
+nlohmann::json score_tests(
+    const std::string& test, const std::vector<std::string>& also,
+    const std::function<nlohmann::json(const std::vector<EvalScene>&)>& score) {
+  nlohmann::json json = score(read_eval_scenes(test, data::Split::Test));
+  json["also"] = nlohmann::json::array();
+  for (const std::string& other : also)
+    json["also"].push_back(score(read_eval_scenes(other, data::Split::Test)));
+  return json;
+}
+
 }  // namespace lte::experiments

@@ -34,4 +34,9 @@ using AnswerView = std::function<std::vector<Rgb>(const EvalScene& scene, const 
 /// @throws lte::Error naming a scene without a view
 nlohmann::json score_views(const std::vector<EvalScene>& scenes, const AnswerView& answer);
 
+/// What `score` says of the scenes of --test, and in "also" of those of each --also.
+nlohmann::json score_tests(
+    const std::string& test, const std::vector<std::string>& also,
+    const std::function<nlohmann::json(const std::vector<EvalScene>&)>& score);
+
 }  // namespace lte::experiments

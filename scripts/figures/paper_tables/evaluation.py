@@ -47,6 +47,16 @@ def homes(run):
     return generated(run, "homes", "homes_test", run.size(100, 12), 880057, flags=["--glb"])
 
 
+def outside(run):
+    """Rooms that no generator of ours made, with the pixels and paths of the homes."""
+    folder = "assets/scenes/outside"
+    scenes = sorted((run.root / folder).glob("*.glb"))
+    return generated(run, "outside", "files", run.size(len(scenes), 6), 880061, "val_share=0",
+                     "test_share=1", "query_points=1024", "rays=512", "views.width=48",
+                     "views.height=36", "views.rays=1024", f"files.folder={folder}",
+                     flags=["--glb"])
+
+
 def statistics_of_scenes(run):
     data = generated(run, "large-homes", "homes", run.size(20, 4), 880058, "val_share=0",
                      "test_share=1", "scene_points=8192", "query_points=512", "rays=128",

@@ -12,35 +12,53 @@ def training_rooms(run):
                      "views.rays=256")
 
 
-def deep_shading(run, label, data, test, split):
+def deep_shading(run, label, data, split, *tests):
     return run.tool(label, "experiment_paper", "deep-shading", "--data", data, "--split", split,
-                    "--test", test, "--seconds", run.size(1800, 45), "--threads", 1)
+                    *tests, "--seconds", run.size(1800, 45), "--threads", 1)
 
 
-def rivals(run, test):
-    """@param test  data set of homes with views and .glb files"""
-    demo = evaluated(run, "demo", test, checkpoint="lte-demo")
-    by_heart = deep_shading(run, "by-heart", test, test, "test")
-    gathered = run.tool("gathered", "experiment_paper", "gathered", "--data", test, "--threads", 1)
+def gathered_light(run, label, data):
+    return run.tool(label, "experiment_paper", "gathered", "--data", data, "--threads", 1)
+
+
+def demo_row(run, label, data):
+    rows = evaluated(run, label, data, checkpoint="lte-demo")
+    return next(row for row in rows if row["method"] == "network, decoded")
+
+
+def outside_columns(found):
+    return {"outside_ssim": found["ssim"], "outside_worth": found["worth"]} if found else {}
+
+
+def rivals(run, homes, outside):
+    """@param homes, outside  data sets of scenes with views and .glb files"""
+    by_heart = deep_shading(run, "by-heart", homes, "test", "--test", homes)
+    gathered = gathered_light(run, "gathered", homes)
+    gathered_outside = gathered_light(run, "gathered-outside", outside)
     rooms = training_rooms(run)
+    tests = ["--test", homes, "--also", outside]
     points = run.tool("hermosilla", "experiment_paper", "hermosilla", "--config",
-                      "configs/train/shipped.yaml", "--data", rooms, "--test", test, "--set",
+                      "configs/train/shipped.yaml", "--data", rooms, *tests, "--set",
                       "data.queries_per_scene=512", "--set", "train.scenes_per_step=1", "--seconds",
                       run.size(1800, 90), "--tuned-seconds", run.size(5, 1.5), "--threads", 1)
-    shading = deep_shading(run, "deep-shading", rooms, test, "train")
-    found = (("Deep Shading, by heart", by_heart, views_of(by_heart)),
-             ("Deep Shading", shading, views_of(shading)),
-             ("Hermosilla, improved", points, rooms_of(points)),
-             ("the same, tuned to each home", points["tuned"],
+    shading = deep_shading(run, "deep-shading", rooms, "train", *tests)
+    [points_outside], [shading_outside] = points["also"], shading["also"]
+    found = (("Deep Shading, by heart", by_heart, None, views_of(by_heart)),
+             ("Deep Shading", shading, shading_outside, views_of(shading)),
+             ("Hermosilla, improved", points, points_outside, rooms_of(points)),
+             ("the same, tuned to each scene", points["tuned"], points_outside["tuned"],
               f"and {points['tuned_seconds']:g} s each"),
-             ("gathered, 16 rays", gathered, None),
-             ("gathered, 16 rays, denoised", gathered["denoised"], None))
+             ("gathered, 16 rays", gathered, gathered_outside, None),
+             ("gathered, 16 rays, denoised", gathered["denoised"], gathered_outside["denoised"],
+              None))
     rows = [{"scenes": "homes", "method": name, "count": each["scenes"], "training": training}
             | {key: each[key] for key in ("mse", "interval", "ssim", "flip", "worth")}
-            for name, each, training in found]
-    return rows + [row | {"scenes": "homes", "method": "paper's network (lte-demo)",
-                          "training": "1,100 boxes, 46 min"}
-                   for row in demo if row["method"] == "network, decoded"]
+            | outside_columns(elsewhere)
+            for name, each, elsewhere, training in found]
+    demo, demo_outside = demo_row(run, "demo", homes), demo_row(run, "demo-outside", outside)
+    return rows + [demo | outside_columns(demo_outside)
+                   | {"scenes": "homes", "method": "paper's network (lte-demo)",
+                      "training": "1,100 boxes, 46 min"}]
 
 
 def views_of(found):

@@ -11,8 +11,7 @@ NETWORKS = ("vanilla", "encoder", "whole")
 SEEDS = (1, 2)
 CONFIG = "configs/train/demo.yaml"
 SETTINGS = ("model.light_input=emission", "train.optimizer=adamw", "data.queries_per_scene=256",
-            "train.validation_scenes=0",
-            "train.validation_queries=1024")
+            "train.validation_scenes=0", "train.validation_queries=1024")
 HARDLY_TRAINED = 0.5  # of the first error: a network above it has learnt next to nothing
 
 
