@@ -136,9 +136,12 @@ def rivals(subject, data):
           shading[5]["loss"] < 0.8 * shading[0.5]["loss"],
           f"it learns two views by heart: SSIM {shading[5]['ssim']:.3f}")
     points = subject.run("hermosilla", "--config", ROOT / "configs/train/shipped.yaml", "--data",
-                         data, "--test", data, "--seconds", 4, "--tuned-seconds", 4, "--set",
-                         "data.scene_points=256", "--set", "data.queries_per_scene=128")
+                         data, "--test", data, "--also", data, "--seconds", 4,
+                         "--tuned-seconds", 4, "--set", "data.scene_points=256", "--set",
+                         "data.queries_per_scene=128")
     check(points["tuned"]["mse"] < points["mse"], "the point network learns from a scene's points")
+    check(points["also"][0]["mse"] == points["mse"],
+          "what was tuned to scenes does not answer the next data set")
     gathered = subject.run("gathered", "--data", data)
     check(gathered["worth"] > 16 and gathered["denoised"]["worth"] > gathered["worth"],
           f"16 gathered rays are worth {gathered['worth']:.0f} paths, and more when denoised")

@@ -40,6 +40,7 @@ void run(const DeepShadingTrial& request) {
       views_of(read_eval_scenes(request.data, data::parse_split(request.split)));
   LTE_CHECK(!views.empty(), request.data, ": scenes of split ", request.split,
             " have no views; generate it with evaluation_splits: [", request.split, "]");
+  const std::vector<std::vector<EvalScene>> tests = read_tests(request.test, request.also);
   DeepShading network;
   torch::optim::Adam optimizer(network->parameters(), torch::optim::AdamOptions());
   const auto count = static_cast<int64_t>(views.size());
@@ -58,8 +59,7 @@ void run(const DeepShadingTrial& request) {
     return shade(*network, shading_view(view, scene.sample.light_groups, scene.radiance));
   };
   nlohmann::json json = score_tests(
-      request.test, request.also,
-      [&](const std::vector<EvalScene>& scenes) { return score_views(scenes, answer); });
+      tests, [&](const std::vector<EvalScene>& scenes) { return score_views(scenes, answer); });
   std::printf("deep shading: %lld steps, MSE %.4g, SSIM %.3f\n", static_cast<long long>(steps),
               json["mse"].get<double>(), json["ssim"].get<double>());
   json.update({{"parameters", trained_parameters(*network)},

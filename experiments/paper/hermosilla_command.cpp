@@ -146,14 +146,14 @@ void run(const HermosillaTrial& request) {
   begin_trial(request);
   // Direct light on scene points is read.
   const train::TrainConfig config = training_config(request, {"model.light_input=traced"});
+  const std::vector<std::vector<EvalScene>> tests = read_tests(request.test, request.also);
   Training training(request, config);
   const int64_t steps = training.train();
-  nlohmann::json json =
-      score_tests(request.test, request.also, [&](const std::vector<EvalScene>& scenes) {
-        nlohmann::json out = training.score(scenes, 0);
-        if (request.tuned_seconds > 0) out["tuned"] = training.score(scenes, request.tuned_seconds);
-        return out;
-      });
+  nlohmann::json json = score_tests(tests, [&](const std::vector<EvalScene>& scenes) {
+    nlohmann::json out = training.score(scenes, 0);
+    if (request.tuned_seconds > 0) out["tuned"] = training.score(scenes, request.tuned_seconds);
+    return out;
+  });
   std::printf("hermosilla: %lld steps, MSE %.4g, SSIM %.3f\n", static_cast<long long>(steps),
               json["mse"].get<double>(), json["ssim"].get<double>());
   json.update({{"parameters", training.parameters()},

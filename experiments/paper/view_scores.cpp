@@ -97,13 +97,19 @@ nlohmann::json score_views(const std::vector<EvalScene>& scenes, const AnswerVie
           {"worth", worth.empty() ? nlohmann::json() : number(worth.front().views.all)}};
 }
 
+std::vector<std::vector<EvalScene>> read_tests(const std::string& test,
+                                               const std::vector<std::string>& also) {
+  std::vector<std::vector<EvalScene>> out{read_eval_scenes(test, data::Split::Test)};
+  for (const std::string& other : also) out.push_back(read_eval_scenes(other, data::Split::Test));
+  return out;
+}
+
 nlohmann::json score_tests(
-    const std::string& test, const std::vector<std::string>& also,
+    const std::vector<std::vector<EvalScene>>& tests,
     const std::function<nlohmann::json(const std::vector<EvalScene>&)>& score) {
-  nlohmann::json json = score(read_eval_scenes(test, data::Split::Test));
+  nlohmann::json json = score(tests.front());
   json["also"] = nlohmann::json::array();
-  for (const std::string& other : also)
-    json["also"].push_back(score(read_eval_scenes(other, data::Split::Test)));
+  for (size_t i = 1; i < tests.size(); ++i) json["also"].push_back(score(tests[i]));
   return json;
 }
 

@@ -34,9 +34,14 @@ using AnswerView = std::function<std::vector<Rgb>(const EvalScene& scene, const 
 /// @throws lte::Error naming a scene without a view
 nlohmann::json score_views(const std::vector<EvalScene>& scenes, const AnswerView& answer);
 
-/// What `score` says of the scenes of --test, and in "also" of those of each --also.
+/// The test splits of --test and of each --also: read before a training, so that none is in vain.
+/// @throws lte::Error as read_eval_scenes()
+std::vector<std::vector<EvalScene>> read_tests(const std::string& test,
+                                               const std::vector<std::string>& also);
+
+/// What `score` says of the first of them, and in "also" of the others.
 nlohmann::json score_tests(
-    const std::string& test, const std::vector<std::string>& also,
+    const std::vector<std::vector<EvalScene>>& tests,
     const std::function<nlohmann::json(const std::vector<EvalScene>&)>& score);
 
 }  // namespace lte::experiments
