@@ -134,8 +134,13 @@ std::vector<int64_t> Generator::keep_what_is_there() {
   for (int64_t i = options_.shard.index; i < config_.scenes; i += options_.shard.count) {
     const auto found = records.find(i);
     const SceneRecord* record = found == records.end() ? nullptr : &found->second;
-    // Files may have come or gone since.
+    // Files may have come or gone since. What was read from another must not stay in its place,
+    // should this one fail.
     const bool same = record == nullptr || record->source == source_of(i);
+    if (!same) {
+      fs::remove(folder_.scene_path(i));
+      fs::remove(glb_path(i));
+    }
     const bool done = options_.resume && same && folder_.is_done(i, record);
     if (done) ++result_.kept;
     if (done && record != nullptr && record->error.empty()) {

@@ -3,6 +3,7 @@
 #include "lte/base/check.h"
 #include "lte/base/checksum.h"
 #include "lte/base/text.h"
+#include "lte/data/scale_rounding.h"
 #include "lte/nn/cost.h"
 #include "lte/nn/files/model_file.h"
 #include "lte/nn/model.h"
@@ -51,7 +52,7 @@ LightRequest Network::light_request() const {
 }
 
 void Network::check_fits(double extent_m, bool rescale) const {
-  if (extent_m <= config().scale || rescale) return;
+  if (extent_m <= config().scale * (1 + data::kScaleRounding) || rescale) return;
   throw SceneTooLarge(concat("the scene spans ", extent_m, " m, the model knows scenes up to ",
                              config().scale, " m: set rescale to shrink it for the network"),
                       {Hint::Rescale});

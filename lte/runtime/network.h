@@ -49,7 +49,8 @@ class Network {
   LightRequest light_request() const;
 
   /// @param extent_m  the widest side of a scene's bounds
-  /// @throws SceneTooLarge if that is more than the model knows and `rescale` is false.
+  /// @throws SceneTooLarge if that is more than the model knows, but for rounding, and `rescale` is
+  ///         false.
   void check_fits(double extent_m, bool rescale) const;
   /// Metres, a quarter of the model's scale: few scenes of training are narrower at their widest.
   double least_extent() const { return config().scale / 4; }

@@ -6,6 +6,7 @@
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/data/sample_rows.h"
+#include "lte/data/scale_rounding.h"
 #include "train/data/solved_light.h"
 
 namespace lte::train {
@@ -109,8 +110,8 @@ std::shared_ptr<const TrainingScene> SceneStore::read(size_t index) const {
   auto scene = std::make_shared<const TrainingScene>(
       read_training_scene(path, name, options_.light, options_.solved));
   const float extent = max_component(scene->bounds.extent());
-  LTE_CHECK(extent <= static_cast<float>(options_.scale), path.string(), ": scene ", name, ": ",
-            extent, " m wide, which exceeds the data set's scale of ", options_.scale, " m");
+  LTE_CHECK(extent <= options_.scale * (1 + data::kScaleRounding), path.string(), ": scene ", name,
+            ": ", extent, " m wide, which exceeds the data set's scale of ", options_.scale, " m");
   return scene;
 }
 

@@ -75,10 +75,12 @@ def cell(value):
 
 
 def table(row, rows):
-    lines = ["|" + "|".join(head for head, _ in row.columns) + "|",
-             "|---|" + "---:|" * (len(row.columns) - 1)]
-    lines += ["|" + "|".join(cell(each.get(key)) for _, key in row.columns) + "|"
-              for each in rows]
+    """Without columns that an earlier run of the row had not."""
+    columns = [(head, key) for head, key in row.columns
+               if any(each.get(key) is not None for each in rows)]
+    lines = ["|" + "|".join(head for head, _ in columns) + "|",
+             "|---|" + "---:|" * (len(columns) - 1)]
+    lines += ["|" + "|".join(cell(each.get(key)) for _, key in columns) + "|" for each in rows]
     return "\n".join(lines) + "\n"
 
 

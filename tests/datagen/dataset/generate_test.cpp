@@ -446,6 +446,11 @@ TEST_F(Generate, ScenesOfFilesAreReadAndRefusedWhereThereAreTooFew) {
   EXPECT_EQ(generate("read", config, true).baked, 2);
   EXPECT_EQ(read_manifests(folder_ / "read").at(1).source, "b.glb");
   EXPECT_EQ(generate("read", config, true).kept, 2);
+  write_file(folder / "0.glb", "no scene");
+  EXPECT_EQ(generate("read", config, true).failed, 1);
+  const data::DatasetInfo left = data::read_dataset_info(folder_ / "read");
+  ASSERT_EQ(left.scenes.size(), 1u) << "what was read in the place of a broken file is gone";
+  EXPECT_EQ(left.scenes[0].name, "scene_00001");
 }
 
 TEST_F(Generate, RefusesForeignUsedAndDifferentDirectories) {
