@@ -21,6 +21,8 @@ constexpr int64_t kRuns = 64;  ///< of points that a thread takes at a time
 // so near its plane; their normals differ by less than 26 degrees. Farther ones would darken what
 // lies open by what lies in corners.
 constexpr float kApart = 1, kOffPlane = 0.05f, kMinCosine = 0.9f;
+// Nor may one have so many times as much room above it as another.
+constexpr float kAsOpen = 2;
 
 /// Whether a straight line over the surface leads from `a` to `b`: floors go on below what stands
 /// on them, where no light comes.
@@ -33,6 +35,22 @@ bool sees(const pathtrace::Bvh& bvh, const Vec3& a, const Vec3& b, const Vec3& n
   return !bvh.occluded(ray);
 }
 
+/// How far from point `a` the next sheet is, at most `most`.
+float clearance(const pathtrace::Bvh& bvh, const Vec3& a, const Vec3& normal, float most) {
+  pathtrace::Ray ray;
+  ray.origin = pathtrace::offset_origin(a, normal, 0.5f * max_component(bvh.bounds().extent()));
+  ray.direction = normal;
+  ray.t_max = most;
+  return std::min(bvh.intersect(ray).t, most);
+}
+
+/// Whether as little stands above one point as above the other: below a bed a floor is dark.
+bool as_open(const pathtrace::Bvh& bvh, const Vec3& a, const Vec3& b, const Vec3& normal,
+             float edge) {
+  const float above = clearance(bvh, a, normal, edge), other = clearance(bvh, b, normal, edge);
+  return above <= kAsOpen * other && other <= kAsOpen * above;
+}
+
 /// Whether point `b` lies on the same level piece of surface as point `a`.
 bool joins(const pathtrace::Bvh& bvh, const scene::SurfaceSamples& samples, size_t a, size_t b) {
   if (samples.area[a] != samples.area[b]) return false;
@@ -42,7 +60,9 @@ bool joins(const pathtrace::Bvh& bvh, const scene::SurfaceSamples& samples, size
   return dot(between, between) < kApart * kApart * edge * edge &&
          std::fabs(dot(between, samples.normal[a])) < kOffPlane * edge &&
          sees(bvh, samples.position[a], samples.position[b], samples.normal[a]) &&
-         sees(bvh, samples.position[a], samples.position[b], -samples.normal[a]);
+         sees(bvh, samples.position[a], samples.position[b], -samples.normal[a]) &&
+         as_open(bvh, samples.position[a], samples.position[b], samples.normal[a], edge) &&
+         as_open(bvh, samples.position[a], samples.position[b], -samples.normal[a], edge);
 }
 
 bool usable(const scene::SurfaceSamples& samples, size_t i) {

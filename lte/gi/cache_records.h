@@ -33,8 +33,9 @@ struct CacheRecords {
 inline constexpr int kRecordPoints = 4;
 
 /// Draws points by area, a tenth of them on luminaires at least, joins neighbours that lie in one
-/// plane and see each other along it, and makes two records of what they are then: `count` where
-/// surfaces are level, up to kRecordPoints times as many of smaller areas where they are not.
+/// plane, see each other along it and have as much room above them, and makes two records of what
+/// they are then: `count` where surfaces are level, up to kRecordPoints times as many of smaller
+/// areas where they are not.
 CacheRecords sample_records(const pathtrace::Bvh& bvh, int64_t count, uint64_t seed);
 
 /// Light at records, summed over light groups, W/m².

@@ -16,6 +16,8 @@ constexpr float kCell = 0.5f;
 constexpr int64_t kGrain = 64;
 // Rays along a surface rise by this much a metre: they pass the unevenness of the surface itself.
 constexpr float kRise = 0.15f;
+// Of a record's weight, what the narrowest gap leaves.
+constexpr float kLeastShare = 1e-3f;
 
 float gray(const Rgb& light) { return light.x + light.y + light.z; }
 
@@ -60,7 +62,12 @@ IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& 
   std::vector<Walls> around(records_.size());
   std::vector<uint8_t> has_walls(records_.size());
   parallel_each(records_.size(), kGrain, [&](size_t i) {
-    has_walls[i] = find_walls(bvh, records.position[i], records.normal[i], radii[i], &around[i]);
+    float open = 1;
+    has_walls[i] =
+        find_walls(bvh, records.position[i], records.normal[i], radii[i], &around[i], &open);
+    // Rays come to what lies open, and seldom to what stands in gaps beside it, where it is dark:
+    // with equal weights a furnished room would lose a per cent or two of its light a bounce.
+    records_[i].share = std::max(kLeastShare, open);
   });
   for (size_t i = 0; i < records_.size(); ++i) {
     LTE_CHECK(direct.empty() || is_finite(direct[i]), "irradiance cache: direct light ", i,
@@ -140,17 +147,19 @@ void IrradianceCache::silence_dark_sheets(const CacheRecords& records) {
 
 /// Traces a ray into each octant. What it meets counts as a plane wall.
 bool IrradianceCache::find_walls(const pathtrace::Bvh& bvh, const Vec3& position,
-                                 const Vec3& normal, float radius, Walls* walls) {
+                                 const Vec3& normal, float radius, Walls* walls, float* open) {
   make_frame(normal, &walls->tangent, &walls->bitangent);
   pathtrace::Ray ray;
   ray.origin =
       pathtrace::offset_origin(position, normal, 0.5f * max_component(bvh.bounds().extent()));
   ray.t_max = radius;
   bool any = false;
+  float seen = 0;
   for (int k = 0; k < 8; ++k) {
     const Vec2 along = octant_middle(k);
     ray.direction = walls->tangent * along.x + walls->bitangent * along.y + normal * kRise;
     const pathtrace::Hit hit = bvh.intersect(ray);
+    seen += hit.valid() ? hit.t / radius : 1;
     if (!hit.valid()) continue;
     Walls::Plane plane{dot(hit.normal, walls->tangent), dot(hit.normal, walls->bitangent), 0};
     plane.distance = hit.t * (plane.x * along.x + plane.y * along.y);
@@ -158,14 +167,17 @@ bool IrradianceCache::find_walls(const pathtrace::Bvh& bvh, const Vec3& position
     walls->plane[static_cast<size_t>(k)] = plane;
     any = true;
   }
+  *open = std::sqrt(seen / 8);
   walls->normal = normal;
   for (const float side : {1.0f, -1.0f}) {
     ray.direction = normal * side;
     ray.origin = pathtrace::offset_origin(position, ray.direction,
                                           0.5f * max_component(bvh.bounds().extent()));
-    ray.t_max = SurfaceIndex::kPlane * radius;
+    ray.t_max = side > 0 ? radius : SurfaceIndex::kPlane * radius;
     const pathtrace::Hit hit = bvh.intersect(ray);
     if (!hit.valid()) continue;
+    if (side > 0) *open *= std::sqrt(hit.t / radius);
+    if (hit.t > SurfaceIndex::kPlane * radius) continue;
     (side > 0 ? walls->above : walls->below) = 0.5f * hit.t;
     any = true;
   }
@@ -182,11 +194,12 @@ bool IrradianceCache::Walls::hides(const Vec3& offset) const {
 bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const {
   if (lamps_.above(position, normal)) return false;
   Rgb sum;
-  float weights = 0, total = 0, direct = 0, squares = 0, noise = 0;
+  float weights = 0, shares = 0, total = 0, direct = 0, squares = 0, noise = 0;
   index_.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
     if (!speaks(i, offset)) return;
     const Record& record = records_[i];
-    sum += record.irradiance * weight;
+    sum += record.irradiance * (weight * record.share);
+    shares += weight * record.share;
     weights += weight;
     total += record.total * weight;
     direct += record.direct * weight;
@@ -195,7 +208,7 @@ bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irra
   });
   if (!(weights >= options_.least_weight)) return false;
   const float scale = 1 / weights, mean = direct * scale;
-  *irradiance = sum * scale;
+  *irradiance = sum / shares;
   const float bound = options_.uneven * total * scale + even_below_;
   // Expected squares hold the variance of each record, that of the mean what is left in the mean.
   return squares * scale - mean * mean + noise * scale * scale <= bound * bound;

@@ -86,9 +86,11 @@ class IrradianceCache {
     bool hides(const Vec3& offset) const;
   };
   static constexpr uint32_t kNone = ~0u;
-  /// @return  whether there are any within `radius`
+  /// @param open  gets how far one sees from there, in radii, at most 1: the geometric mean of that
+  ///              along the surface, over all octants, and of that away from it
+  /// @return      whether there are any walls within `radius`
   static bool find_walls(const pathtrace::Bvh& bvh, const Vec3& position, const Vec3& normal,
-                         float radius, Walls* walls);
+                         float radius, Walls* walls, float* open);
 
   void set_light(const CacheRecords& records, std::span<const Rgb> irradiance);
   bool speaks(uint32_t record, const Vec3& offset) const;
@@ -98,6 +100,7 @@ class IrradianceCache {
     Rgb irradiance;
     float total = 0, direct = 0;  ///< sums over the channels, of all light and of direct light
     float noise = 0;              ///< variance of `direct`
+    float share = 1;              ///< of what its weight would be in the open
     uint32_t walls = kNone;       ///< index into walls_
     bool silent = false;          ///< says nothing
   };

@@ -1,6 +1,7 @@
 // Gathered light of whole rooms against brute-force paths: where light is bright and uneven in
 // small places, a cache of it must not carry it elsewhere.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ostream>
 #include <string>
@@ -118,6 +119,43 @@ INSTANTIATE_TEST_SUITE_P(
         RoomCase{"SmallLamps", test::small_lamps, 0.02, 0.11},
         RoomCase{"Cups", [] { return test::cups(); }, 0.06, 0.4}),
     [](const testing::TestParamInfo<RoomCase>& at) { return std::string(at.param.name); });
+
+/// Of what the cache reads on a floor around plates that lie 2 cm above it, over what paths find.
+/// Below the plates, where no ray from the room comes, it is dark.
+TEST(RoomLight, BelowPlatesDoesNotDarkenTheFloorBesideThem) {
+  scene::Scene scene;
+  const int white = test::add_material(&scene, {0.7f, 0.7f, 0.7f}, {}, true);
+  const int sky = test::add_material(&scene, {}, {1, 1, 1}, true);
+  test::add_room(&scene, {0, 0, 0}, {4, 2, 4}, white);
+  test::add_panel(&scene, {0.1f, 1.9f, 0.1f}, 3.8f, 3.8f, sky);
+  const std::array<float, 4> corners{0.25f, 1.2f, 2.15f, 3.1f};
+  for (const float x : corners)
+    for (const float z : corners)
+      test::add_quad(&scene, {x, 0.02f, z}, {0, 0, 0.65f}, {0.65f, 0, 0}, white);
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const CacheRecords records = sample_records(bvh, 8192, 1);
+  const RecordLight light = estimate_records(bvh, lights, records, 64, 4, 1);
+  const IrradianceCache cache(bvh, records, light.total(), light.direct, light.direct_variance);
+  std::vector<Vec3> positions, normals;
+  double found = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 place{0.25f + 0.00875f * static_cast<float>(i), 0, 1.05f};  // between two rows
+    Rgb here;
+    if (!cache.lookup(place, {0, 1, 0}, &here)) continue;
+    positions.push_back(place);
+    normals.push_back({0, 1, 0});
+    found += double{here.x};
+  }
+  ASSERT_GT(positions.size(), 50);
+  pathtrace::IrradianceOptions options;
+  options.rays = 512;
+  options.max_depth = 4;
+  const auto paths = pathtrace::estimate_irradiance(bvh, lights, positions, normals, options);
+  double expected = 0;
+  for (int64_t i = 0; i < paths.points; ++i) expected += double{paths.total(i).x};
+  EXPECT_NEAR(found / expected, 1, 0.03);
+}
 
 TEST(RoomLight, OfAFurnaceIsExact) {
   const View view(test::furnace());
