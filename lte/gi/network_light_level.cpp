@@ -12,14 +12,10 @@ namespace {
 
 // One record in so many is sampled for the share of its light that the scene passes on.
 constexpr size_t kSampled = 4;
-// Light in the housing of a lamp is many times what any guess of a room has there, and nobody sees
-// it: ratios beyond so many medians do not count.
-constexpr float kOutlier = 4;
-
-// Reflections of the leveled guess. One level for a whole scene is wrong in the single rooms of
-// it, the less so the more often the scene itself has carried the light. At the usual depth of 5 a
-// third would leave nothing of the guess.
-constexpr int kReflections = 2;
+// The guess, brought to the level of light that the scene has reflected once, is at most so many
+// times brighter or darker than that. In twelve homes and wild rooms 2 to 8 are worth the same, and
+// 1, which leaves no guess, a twentieth less.
+constexpr float kBound = 4;
 
 /// Of records, every kSampled-th.
 CacheRecords picked(const CacheRecords& records) {
@@ -45,6 +41,12 @@ std::vector<Rgb> sum_of(std::span<const Rgb> a, std::span<const Rgb> b) {
   return out;
 }
 
+std::vector<Rgb> difference_of(std::span<const Rgb> a, std::span<const Rgb> b) {
+  std::vector<Rgb> out(a.begin(), a.end());
+  for (size_t i = 0; i < out.size(); ++i) out[i] = out[i] - b[i];
+  return out;
+}
+
 std::vector<Rgb> picked(std::span<const Rgb> of_all) {
   std::vector<Rgb> out;
   for (size_t i = 0; i < of_all.size(); i += kSampled) out.push_back(of_all[i]);
@@ -63,24 +65,33 @@ float median(std::vector<std::pair<float, float>> value_and_weight) {
   return 0;
 }
 
-/// How bright the guess has to be in a channel, for light of so many bounces.
-/// @param both, direct  a reflection of direct light with the guess and without it, [records]
-float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::span<const Rgb> both,
-               std::span<const Rgb> direct, int channel, int bounces) {
-  std::vector<std::pair<float, float>> ratios;
-  for (size_t i = 0; i < guess.size(); ++i) {
-    const float f = guess[i][channel];
-    if (f > 0) ratios.emplace_back(direct[i][channel] / f, records.area[i]);
+/// The guess as bright as `once` by the median of records, within kBound of it everywhere.
+std::vector<Rgb> bounded(const CacheRecords& records, std::span<const Rgb> guess,
+                         std::span<const Rgb> once) {
+  std::vector<Rgb> out(guess.size());
+  for (int c = 0; c < 3; ++c) {
+    std::vector<std::pair<float, float>> ratios;
+    for (size_t i = 0; i < guess.size(); ++i)
+      if (guess[i][c] > 0) ratios.emplace_back(once[i][c] / guess[i][c], records.area[i]);
+    const float level = median(std::move(ratios));
+    for (size_t i = 0; i < guess.size(); ++i)
+      out[i][c] = std::clamp(level * guess[i][c], once[i][c] / kBound, once[i][c] * kBound);
   }
-  const float most = kOutlier * median(std::move(ratios));
+  return out;
+}
+
+/// How bright a guess has to be in a channel, for light of so many bounces.
+/// @param guess, reflected  [records], and after one more reflection
+/// @param first             light of the first of these bounces
+float level_of(const CacheRecords& records, std::span<const Rgb> guess,
+               std::span<const Rgb> reflected, std::span<const Rgb> first, int channel,
+               int bounces) {
   double guessed = 0, once = 0, more = 0;
   for (size_t i = 0; i < guess.size(); ++i) {
-    const float f = guess[i][channel];
-    if (!(f > 0) || direct[i][channel] > most * f) continue;
     const double area{records.area[i]};
-    guessed += area * double{f};
-    once += area * double{direct[i][channel]};
-    more += area * double{both[i][channel] - direct[i][channel]};
+    guessed += area * double{guess[i][channel]};
+    once += area * double{first[i][channel]};
+    more += area * double{reflected[i][channel]};
   }
   if (!(guessed > 0)) return 0;
   const double passed = std::clamp(more / guessed, 0.0, 1.0);
@@ -94,46 +105,52 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
 IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                     const CacheRecords& records, const RecordLight& light,
                                     const LevelOptions& options) {
-  const std::vector<Rgb>&direct = light.direct, &guess = light.indirect;
-  LTE_CHECK(guess.size() == direct.size(), "a guess of indirect light has ", guess.size(),
-            " values for ", direct.size(), " records");
+  const std::vector<Rgb>& direct = light.direct;
+  LTE_CHECK(light.indirect.size() == direct.size(), "a guess of indirect light has ",
+            light.indirect.size(), " values for ", direct.size(), " records");
+  const IrradianceCache cache(bvh, records, direct, direct, light.direct_variance);
+  // A gather over the cache adds a bounce to the last.
+  const int bounces = options.max_depth - 2;
+  if (bounces < 1 || direct.empty()) return cache;
   GatherOptions gather;
   gather.rays = options.rays;
-  gather.seed = options.seed;
-  // A gather over the cache adds a bounce to the last.
-  const int bounces = options.max_depth - 2, rounds = std::min(kReflections, bounces);
-  std::vector<Rgb> indirect(direct.size());
   // Where a ray finds no record that it may read, it goes on as a path: to the depth that what it
   // would have read has after a reflection, or light of more bounces would be found by chance.
-  const auto gathered = [&](const IrradianceCache& cache, int depth, const CacheRecords& at) {
+  const auto gathered = [&](const IrradianceCache& read, int depth, const CacheRecords& at,
+                            uint64_t pass) {
     gather.max_depth = depth + 1;
+    gather.seed = hash_combine(options.seed, pass);
     const bool bumpy = !at.start_shading.empty();
     return record_means(
         at, gather_irradiance(
-                bvh, lights, cache, at.start, bumpy ? at.start_shading : at.start_normal, gather, 0,
+                bvh, lights, read, at.start, bumpy ? at.start_shading : at.start_normal, gather, 0,
                 bumpy ? std::span<const Vec3>(at.start_normal) : std::span<const Vec3>())
                 .indirect);
   };
-  IrradianceCache cache(bvh, records, direct, direct, light.direct_variance);
-  if (bounces < 1 || direct.empty()) return cache;
-  // A guess is a guess inside of things, too, where no light comes.
-  std::vector<Rgb> reached(guess.begin(), guess.end());
-  for (size_t i = 0; i < reached.size(); ++i) {
-    if (cache.silent(static_cast<int64_t>(i))) reached[i] = {};
-  }
-  const IrradianceCache both = cache.relit(records, sum_of(direct, reached));
-  const CacheRecords some = picked(records);
-  const std::vector<Rgb> f = picked(reached);
-  const std::vector<Rgb> of_direct = gathered(both.answering(direct), 1, some);
-  // Of one bounce, nothing is passed on.
-  const std::vector<Rgb> of_both = bounces - rounds > 1 ? gathered(both, 1, some) : of_direct;
-  Rgb level;
-  for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, bounces - rounds);
-  for (size_t i = 0; i < indirect.size(); ++i) indirect[i] = reached[i] * level;
-  for (int round = 0; round < rounds; ++round) {
-    gather.seed = hash_combine(options.seed, static_cast<uint64_t>(round));
-    indirect = gathered(cache.relit(records, sum_of(direct, indirect)),
-                        1 + bounces - rounds + round, records);
+  // Places are read where direct light is even beside all light, of which the guess gives an idea.
+  const std::vector<Rgb> once = gathered(
+      cache.relit(records, sum_of(direct, light.indirect)).answering(direct), 1, records, 0);
+  std::vector<Rgb> indirect = once;
+  if (bounces > 1) {
+    const IrradianceCache lit = cache.relit(records, sum_of(direct, once));
+    if (bounces > 2) {
+      const std::vector<Rgb> guess = bounded(records, light.indirect, once);
+      const CacheRecords some = picked(records);
+      // Rays that go on would add direct light: they do so with nothing to read as well.
+      gather.near = 0;
+      const auto of = [&](const std::vector<Rgb>& read) {
+        return gathered(lit.answering_everywhere(read), 1, some, 1);
+      };
+      const std::vector<Rgb> none = of(std::vector<Rgb>(direct.size()));
+      const std::vector<Rgb> twice = difference_of(of(once), none);
+      const std::vector<Rgb> reflected = difference_of(of(guess), none);
+      gather.near = GatherOptions().near;
+      Rgb level;
+      for (int c = 0; c < 3; ++c)
+        level[c] = level_of(some, picked(guess), reflected, twice, c, bounces - 2);
+      for (size_t i = 0; i < indirect.size(); ++i) indirect[i] += guess[i] * level;
+    }
+    indirect = gathered(lit.relit(records, sum_of(direct, indirect)), bounces, records, 2);
   }
   return cache.relit(records, sum_of(direct, indirect));
 }

@@ -23,14 +23,15 @@ struct LevelOptions {
   uint64_t seed = 0;
 };
 
-/// Replaces the indirect light of records, a guess, by two gathers, one upon the other, over their
-/// direct light and the guess, whose level is set beforehand.
+/// Replaces the indirect light of records, a guess, by gathers over their direct light and the
+/// guess.
 ///
-/// The level: let K be one reflection by the scene, D direct light and f the guess. Gathered rays
-/// at a part of the records measure Σ K D and λ = Σ K f / Σ f, one step of the power method. Light
-/// of n bounces sums up to Σ K D (1 + λ + ... + λ^(n-1)), and f is scaled to that, by channel.
-/// Records in the housings of lamps do not count. In a closed room whose walls shine evenly the
-/// result is exact for any even guess.
+/// Let K be one reflection by the scene, D direct light. K D is gathered at all records. The guess
+/// f stands for what follows but for the last bounce: it is brought to the median level of K D,
+/// bounded by it everywhere, and made as bright in all as light of so many bounces is. That is
+/// Σ K K D (1 + λ + ...) with λ = Σ K f / Σ f, one step of the power method, by channel, both from
+/// gathered rays at a part of the records. K (D + K D + f) is gathered then: light of two bounces
+/// is traced. In a closed room whose walls shine evenly all is exact for any even guess.
 ///
 /// @param light  of the records: direct light, and the guess in the place of indirect light
 /// @return       the cache of direct light and what became of the guess
