@@ -9,6 +9,7 @@
 
 #include "bench/bake_rivals.h"
 #include "bench/begin_command.h"
+#include "infer/bake/bake_layers.h"
 #include "infer/tool/tool_options.h"
 #include "lte/bake/bake.h"
 #include "lte/base/check.h"
@@ -27,15 +28,12 @@ using namespace infer;
 /// As many paths of Cycles as the most of our own.
 constexpr int kCyclesSamples = 64;
 
-BakeRow product(MeasuredScene* m, const std::string& name, int passes, int path_passes,
-                uint64_t seed) {
+BakeRow product(MeasuredScene* m, Quality quality, uint64_t seed) {
   const Stopwatch watch;
-  bake::LightOptions options;
-  options.passes = passes;
-  options.path_passes = path_passes;
+  const auto texels = static_cast<double>(m->layout.texels.size());
+  bake::LightOptions options = quality_options(quality, texels);
   options.seed = seed;
   render::CacheSettings cache;
-  const auto texels = static_cast<double>(m->layout.texels.size());
   cache.records = bake::record_count(texels, options);
   cache.paths = bake::record_paths(texels, cache.records, options);
   cache.seed = seed;
@@ -50,7 +48,8 @@ BakeRow product(MeasuredScene* m, const std::string& name, int passes, int path_
   double seam = 0;
   const bake::Lightmap map =
       bake::make_lightmap(m->renderer.bvh(), m->layout, std::move(layers), {}, &seam);
-  return measure_picture(*m, name, watch.seconds(), map.layers[0].irradiance, map.mask);
+  return measure_picture(*m, concat("bake ", enum_name(quality)), watch.seconds(),
+                         map.layers[0].irradiance, map.mask);
 }
 
 /// As many texels as were asked for, about: charts' edges take more than their area does.
@@ -92,9 +91,8 @@ void prepare(const BakeTableRequest& request, MeasuredScene* m) {
 
 std::vector<BakeRow> measure_all(const BakeTableRequest& request, MeasuredScene* m) {
   std::vector<BakeRow> rows;
-  rows.push_back(product(m, "bake draft", 2, 0, request.seed));
-  rows.push_back(product(m, "bake preview", 4, 0, request.seed));
-  rows.push_back(product(m, "bake final", 12, 16, request.seed));
+  for (const Quality quality : {Quality::Draft, Quality::Preview, Quality::Final})
+    rows.push_back(product(m, quality, request.seed));
   add_network(request.checkpoint, request.seed, m, &rows);
   add_paths(*m, 16, 2, request.seed, &rows);
   add_paths(*m, 64, 1, request.seed, &rows);

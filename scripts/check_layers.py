@@ -152,7 +152,8 @@ ALLOWED["infer/render"] += ["infer/session"]
 ALLOWED["infer/bake"] += ["lte/bake", "lte/bake/formats"]
 # lte_bench times everything below it, and draws the chart of lte_render's pictures.
 ALLOWED["bench"] = (INFER + INFER_SHARED +
-                    ["lte/nn/*", "lte/ops", "lte/report", "lte/bake", "infer/render", "bench/*"])
+                    ["lte/nn/*", "lte/ops", "lte/report", "lte/bake", "infer/render", "infer/bake",
+                     "bench/*"])
 ALLOWED["bench/pareto"] = ALLOWED["bench"] + ["infer/eval/measure"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]

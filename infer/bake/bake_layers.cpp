@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "infer/renderer/quality.h"
 #include "lte/bake/light_group.h"
 #include "lte/base/file.h"
 #include "lte/base/interruption.h"
@@ -40,16 +39,25 @@ int passes_of(Quality quality, double texels, int rays) {
   return quality == Quality::Final ? std::max(preview, kFinalPasses) : preview;
 }
 
-/// @param texels  expected_texels()
-bake::LightOptions light_options(const BakeRequest& request, double texels) {
+}  // namespace
+
+bake::LightOptions quality_options(Quality quality, double texels) {
   bake::LightOptions out;
-  out.direct = request.include == "full";
-  out.max_depth = request.max_depth;
-  out.seed = request.seed;
-  const Quality quality = parse_enum<Quality>("--quality", request.quality);
   out.passes = passes_of(quality, texels, out.rays);
   // Gathered light errs where its records do, which shows when noise is gone.
   out.path_passes = quality == Quality::Final ? 16 : 0;
+  return out;
+}
+
+namespace {
+
+/// @param texels  expected_texels()
+bake::LightOptions light_options(const BakeRequest& request, double texels) {
+  bake::LightOptions out =
+      quality_options(parse_enum<Quality>("--quality", request.quality), texels);
+  out.direct = request.include == "full";
+  out.max_depth = request.max_depth;
+  out.seed = request.seed;
   if (!request.time.empty() || request.error > 0) {
     out.passes = request.by_paths() ? kManyPasses : kPreviewPasses;
     out.path_passes = kManyPasses;

@@ -9,6 +9,7 @@
 #include "infer/bake/bake_command.h"
 #include "infer/bake/bake_parts.h"
 #include "infer/bake/kept_bake.h"
+#include "infer/renderer/quality.h"
 #include "infer/renderer/renderer.h"
 #include "lte/bake/bake.h"
 #include "lte/render/integrator.h"
@@ -17,6 +18,10 @@ namespace lte::infer {
 
 /// Of an atlas's pixels, how many are texels, about.
 inline constexpr double kAtlasUse = 0.7;
+
+/// The passes that a light map of a quality has.
+/// @param texels  of the light map, about
+bake::LightOptions quality_options(Quality quality, double texels);
 
 /// Texels of the light map that is asked for, about: what is known before charts are made.
 double expected_texels(const BakeRequest& request, const scene::Scene& scene);
