@@ -83,6 +83,11 @@ void run_generate(GenerateFlags* flags) {
   if (flags->has_scenes) config.scenes = flags->scenes;
   if (flags->has_seed) config.seed = flags->seed;
   check_datagen_config(config);
+  const SceneFlags& loading = flags->options.loading;
+  LTE_CHECK(config.generator == GeneratorKind::Files ||
+                (!loading.allow_outside && loading.limits.empty()),
+            loading.allow_outside ? "--allow-outside" : "--limits",
+            " goes with generator: files; this one reads no scenes");
   if (flags->print_config) {
     std::fputs(to_yaml(config).c_str(), stdout);
     return;

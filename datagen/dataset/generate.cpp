@@ -58,6 +58,8 @@ void release_free_memory() {
 /// The files of the scenes, in order; none where a generator makes them.
 std::vector<scene::FoundScene> files_of(const DatagenConfig& config) {
   if (config.generator != GeneratorKind::Files) return {};
+  LTE_CHECK(fs::is_directory(config.files.folder), "files.folder: there is no folder ",
+            config.files.folder);
   std::vector<scene::FoundScene> files = scene::find_scenes({config.files.folder}).scenes;
   LTE_CHECK(config.scenes <= static_cast<int64_t>(files.size()), "scenes: expected at most ",
             files.size(), ", as many as there are in files.folder, ", config.files.folder, ", got ",

@@ -396,6 +396,10 @@ TEST_F(Command, ScenesReadNothingOutsideTheirFolderUnlessAllowed) {
     EXPECT_THAT(refused.error, HasSubstr("(--allow-outside)"));
     EXPECT_EQ(run(concat(command, " inner/s.pbrt --allow-outside")).code, 0) << command;
   }
+  const std::string rooms =
+      concat("generate --config ", LTE_SOURCE_DIR, "/configs/data/demo.yaml --out rooms ");
+  expect_failure(1, "--allow-outside goes with generator: files", run(rooms + "--allow-outside"));
+  expect_failure(1, "--limits goes with generator: files", run(rooms + "--limits pictures=2GB"));
 }
 
 TEST_F(Command, LimitsOfScenesAreFlags) {

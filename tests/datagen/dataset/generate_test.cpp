@@ -425,6 +425,10 @@ TEST_F(Generate, ScenesOfFilesAreReadAndRefusedWhereThereAreTooFew) {
   DatagenConfig config = tiny_config();
   config.generator = GeneratorKind::Files;
   config.files.folder = folder.string();
+  config.files.folder = folder.string() + "s";
+  EXPECT_THAT(error_of([&] { generate("read", config); }),
+              AllOf(HasSubstr("files.folder"), HasSubstr(config.files.folder)));
+  config.files.folder = folder.string();
   config.scenes = 3;
   EXPECT_THAT(error_of([&] { generate("read", config); }),
               AllOf(HasSubstr("scenes: expected at most 2"), HasSubstr("mine"), HasSubstr("3")));
