@@ -167,7 +167,7 @@ def flicker_line(rows):
 ROWS = (
     Row("table1", "Table 1", "MSE .048, SSIM .912; 64 paths .051, .425; "
         "Deep Shading .071, .882; Hermosilla .171, .775",
-        "3 h; 7 min", table1, eval_line,
+        "2.5 h; 7 min", table1, eval_line,
         (*EVAL_COLUMNS, ("outside: SSIM", "outside_ssim"), ("paths", "outside_worth"))),
     Row("plans", "Figure 7: SSIM, FLIP, LPIPS of plans", "six plans", "30 min; 2 min",
         plans.plans, plans.line,
@@ -182,7 +182,7 @@ ROWS = (
         (("triangles", "triangles"), ("relative MSE", "relmse"), ("FLIP", "flip"),
          ("CPU s", "cpu"), ("peak MB", "peak_rss_mb"), ("its shape: CPU s", "rf_cpu"),
          ("MB", "rf_mb"))),
-    Row("growth", "Growth", "PSNR by points alone", "25 min; 5 min", trainings.growth_rows,
+    Row("growth", "Growth", "PSNR by points alone", "40 min; 5 min", trainings.growth_rows,
         growth.line,
         (("of", "kind"), ("value", "value"), ("seed", "seed"), ("MSE", "mse"))),
     Row("statistics", "Scene statistics", "0.8 to 6 M triangles, 29 to 51 textures of 1024²",
