@@ -1,8 +1,8 @@
 // A guess of the light on surfaces, made to agree with what the scene does to light.
 //
-// A network's indirect light has the right shape and often not the right level: in rooms of other
-// kinds than it was trained on it is off by a fifth over metres. A few rays measure how much of its
-// light a scene passes on.
+// A network's indirect light has the right shape over a metre and often not the right level: in
+// rooms of other kinds than it was trained on it is off by a fifth. A few rays measure how much of
+// its light a scene passes on, and where.
 #pragma once
 
 #include <cstdint>
@@ -28,10 +28,12 @@ struct LevelOptions {
 ///
 /// Let K be one reflection by the scene, D direct light. K D is gathered at all records. The guess
 /// f stands for what follows but for the last bounce: it is brought to the median level of K D,
-/// bounded by it everywhere, and made as bright in all as light of so many bounces is. That is
-/// Σ K K D (1 + λ + ...) with λ = Σ K f / Σ f, one step of the power method, by channel, both from
-/// gathered rays at a part of the records. K (D + K D + f) is gathered then: light of two bounces
-/// is traced. In a closed room whose walls shine evenly all is exact for any even guess.
+/// bounded by it everywhere, and made as bright as light of so many bounces is, region by region of
+/// records that lie side by side: Σ K K D (1 + λ + ...) with λ = Σ K f / Σ f, one step of the power
+/// method, by channel, from gathered rays at a part of the records. Records beside lamps, where the
+/// guess is far too dark, have a level of their own. K (D + K D + f) is gathered
+/// then: light of two bounces is traced. In a closed room whose walls shine evenly all is exact for
+/// any even guess.
 ///
 /// @param light  of the records: direct light, and the guess in the place of indirect light
 /// @return       the cache of direct light and what became of the guess

@@ -173,23 +173,6 @@ inline scene::Scene furnished_room() {
   return scene;
 }
 
-/// Two closed cells of which one keeps its light, over many bounces, and the other does not: a
-/// network's light gets one level for both, which is wrong in each.
-inline scene::Scene unlike_cells() {
-  scene::Scene scene;
-  scene.name = "cells";
-  const int white = add_material(&scene, {0.95f, 0.95f, 0.95f});
-  const int black = add_material(&scene, {0.05f, 0.05f, 0.05f});
-  const int lamp = add_material(&scene, {}, {9, 9, 9});
-  add_instance(&scene, box_mesh({0, 0, 0}, {3, 2.5f, 3}, white, true));
-  add_instance(&scene, box_mesh({4, 0, 0}, {12, 2.5f, 8}, black, true));
-  add_quad(&scene, {1.2f, 2.4f, 1.2f}, {0.5f, 0, 0}, {0, 0, 0.5f}, lamp);
-  for (const float x : {5.0f, 7.0f, 9.0f})
-    add_quad(&scene, {x, 2.4f, 2}, {1, 0, 0}, {0, 0, 4}, lamp);
-  scene.cameras.push_back({"white", {0.3f, 1.4f, 2.7f}, {2.5f, 1, 0.3f}, {0, 1, 0}, 70});
-  return scene;
-}
-
 /// A hall of 20 m with 10 x 10 small lamps under its ceiling, a spot, a sun and a bulb.
 inline scene::Scene hall_of_lamps() {
   scene::Scene scene;
