@@ -59,11 +59,10 @@ GROWTH = """
 """
 
 AFTER = {"table1": """
-The rivals learnt for half an hour of one core, lte-base for 52 times as long. As in the paper, it
-has the least error of those that know nothing of the scenes, and Deep Shading by heart, level with
-it, five times as much in scenes that it has not seen. In rooms made elsewhere neither rival is
-worth more than 64 paths, and denoised paths three times the network, which wants
-[gathered rays](benchmarks.md#rooms-from-elsewhere) there.
+The rivals learnt for half an hour of one core, lte-base for 52 times as long. As in the paper it
+has the least error of those that do not know the scenes; Deep Shading by heart is level with it,
+and has five times the error in others. In rooms made elsewhere rivals are worth no more than 64
+paths, and the network wants [gathered rays](benchmarks.md#rooms-from-elsewhere).
 """}  # shown in full, and what follows
 
 
