@@ -137,9 +137,9 @@ struct LevelSums {
   LevelSums operator*(double scale) const {
     return {guess * scale, first * scale, reflected * scale};
   }
-  /// For light of so many bounces.
+  /// For light of so many bounces. Sums are of differences, and below 0 by rounding.
   float level(int bounces) const {
-    if (!(guess > 0)) return 0;
+    if (!(guess > 0) || !(first > 0)) return 0;
     const double passed = std::clamp(reflected / guess, 0.0, 1.0);
     double series = 0;
     for (int bounce = 0; bounce < bounces; ++bounce) series = 1 + passed * series;
