@@ -96,14 +96,6 @@ IrradianceCache IrradianceCache::answering(std::span<const Rgb> irradiance) cons
   return out;
 }
 
-IrradianceCache IrradianceCache::answering_everywhere(std::span<const Rgb> irradiance) const {
-  IrradianceCache out = answering(irradiance);
-  out.options_.uneven = INFINITY;
-  out.even_below_ = INFINITY;
-  out.lamps_ = {};
-  return out;
-}
-
 void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb> irradiance) {
   LTE_CHECK(records.position.size() == records_.size() && irradiance.size() == records_.size(),
             "irradiance cache: ", records.size(), " records but ", irradiance.size(),

@@ -55,9 +55,6 @@ class IrradianceCache {
   /// With other light in the answers of lookup(), which it gives for the same places as this one:
   /// a gather then is linear in the light.
   IrradianceCache answering(std::span<const Rgb> irradiance) const;
-  /// The same for light that is even where direct light is not: no place is refused for being near
-  /// a lamp or an edge of direct light.
-  IrradianceCache answering_everywhere(std::span<const Rgb> irradiance) const;
 
   /// Irradiance on the side `normal` of the surface at `position`.
   /// @return  false where no records near enough stand on the same side, in sight along the
@@ -68,6 +65,8 @@ class IrradianceCache {
   const BrightPlaces& bright_places() const { return bright_; }
 
   int64_t size() const { return index_.size(); }
+  /// Whether a record says nothing, as no lit one leads to it along surfaces.
+  bool silent(int64_t record) const { return records_[static_cast<size_t>(record)].silent; }
   /// Mean radius of the records, metres.
   float radius() const { return radius_; }
 

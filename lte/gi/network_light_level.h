@@ -1,8 +1,8 @@
 // A guess of the light on surfaces, made to agree with what the scene does to light.
 //
-// A network's indirect light has the right shape over a metre and often not the right level: in
-// rooms of other kinds than it was trained on it is off by a fifth. A few rays measure how much of
-// its light a scene passes on, and where.
+// A network's indirect light has the right shape and often not the right level: in rooms of other
+// kinds than it was trained on it is off by a fifth over metres. A few rays measure how much of its
+// light a scene passes on.
 #pragma once
 
 #include <cstdint>
@@ -23,17 +23,14 @@ struct LevelOptions {
   uint64_t seed = 0;
 };
 
-/// Replaces the indirect light of records, a guess, by gathers over their direct light and the
-/// guess.
+/// Replaces the indirect light of records, a guess, by two gathers, one upon the other, over their
+/// direct light and the guess, whose level is set beforehand.
 ///
-/// Let K be one reflection by the scene, D direct light. K D is gathered at all records. The guess
-/// f stands for what follows but for the last bounce: it is brought to the median level of K D,
-/// bounded by it everywhere, and made as bright as light of so many bounces is, region by region of
-/// records that lie side by side: Σ K K D (1 + λ + ...) with λ = Σ K f / Σ f, one step of the power
-/// method, by channel, from gathered rays at a part of the records. Records beside lamps, where the
-/// guess is far too dark, have a level of their own. K (D + K D + f) is gathered
-/// then: light of two bounces is traced. In a closed room whose walls shine evenly all is exact for
-/// any even guess.
+/// The level: let K be one reflection by the scene, D direct light and f the guess. Gathered rays
+/// at a part of the records measure Σ K D and λ = Σ K f / Σ f, one step of the power method. Light
+/// of n bounces sums up to Σ K D (1 + λ + ... + λ^(n-1)), and f is scaled to that, by channel.
+/// Records in the housings of lamps do not count. In a closed room whose walls shine evenly the
+/// result is exact for any even guess.
 ///
 /// @param light  of the records: direct light, and the guess in the place of indirect light
 /// @return       the cache of direct light and what became of the guess

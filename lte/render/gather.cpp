@@ -16,9 +16,8 @@
 // It fails where the records' light is wrong over a wide area: light that only few bright paths
 // find (a slit, a lamp around two corners) makes blotches of the size of what a ray sees, which
 // more rays do not cure; more records and paths from them do, and so do the picture's own paths
-// (combine.h). Of a network's records the first two bounces are gathered, and what the network says
-// of more takes its level from the scene (lte/gi/network_light_level.h): what is left of its error
-// is smooth.
+// (combine.h). A network's records take their level from the scene and are reflected twice by
+// gathered rays (lte/gi/network_light_level.h); what is left of its error is smooth.
 #include "lte/gi/gather.h"
 
 #include <algorithm>

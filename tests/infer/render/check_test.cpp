@@ -1,5 +1,5 @@
-// Checked pictures: light that is wrong is said to be, a right answer is not, and no pixel depends
-// on the check.
+// Checked pictures: a model that is made wrong is said to be, a right answer is not, and no pixel
+// depends on the check.
 #include <string>
 #include <vector>
 
@@ -54,27 +54,21 @@ class CheckedPictures : public Tools {
   }
 };
 
-TEST_F(CheckedPictures, LightThatIsWrongIsSaid) {
-  const Outcome said = living_room("--integrator network --set records=32");  // speak for metres
+TEST_F(CheckedPictures, AModelThatIsMadeWrongIsSaidAndTheShippedOneIsNot) {
+  const std::string wrong = at("wrong.safetensors");
+  write_scaled_model(wrong, -4.0f);
+  const Outcome said = living_room("--integrator network --checkpoint " + wrong);
   ASSERT_EQ(said.code, 0) << said.text;
   EXPECT_THAT(said.text, AllOf(HasSubstr("warning"),
                                HasSubstr("check.png: the network's indirect "
                                          "light is "),
                                HasSubstr(" of the traced")));
-  EXPECT_TRUE(found().at("whole").at("off").get<bool>()) << found().dump();
-}
-
-/// The scene sets the level of what a model says, whatever that is.
-TEST_F(CheckedPictures, TheLightOfAModelThatIsMadeWrongIsRight) {
-  const std::string wrong = at("wrong.safetensors");
-  write_scaled_model(wrong, -4.0f);
-  for (const std::string& model : {std::string(), " --checkpoint " + wrong}) {
-    const Outcome right = living_room("--integrator network" + model);
-    ASSERT_EQ(right.code, 0) << right.text;
-    EXPECT_FALSE(found().at("whole").at("off").get<bool>()) << found().dump();
-    EXPECT_NEAR(found().at("whole").at("ratio").get<double>(), 1, 0.05);
-    EXPECT_THAT(right.text, Not(HasSubstr("of the traced")));
-  }
+  EXPECT_TRUE(found().at("whole").at("off").get<bool>() || found().at("fault").is_object());
+  const Outcome right = living_room("--integrator network");
+  ASSERT_EQ(right.code, 0) << right.text;
+  EXPECT_FALSE(found().at("whole").at("off").get<bool>()) << found().dump();
+  EXPECT_NEAR(found().at("whole").at("ratio").get<double>(), 1, 0.05);
+  EXPECT_THAT(right.text, Not(HasSubstr("of the traced")));
 }
 
 TEST_F(CheckedPictures, GatheredLightPasses) {
