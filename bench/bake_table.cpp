@@ -121,7 +121,7 @@ nlohmann::json results_so_far(const BakeTableRequest& request, const std::string
                                    {"seed", request.seed},
                                    {"version", version()}};
   if (request.resume && std::filesystem::exists(path)) {
-    const nlohmann::json there = nlohmann::json::parse(read_file(path), nullptr, false);
+    nlohmann::json there = nlohmann::json::parse(read_file(path), nullptr, false);
     LTE_CHECK(there.is_object() && there.contains("settings") && there.contains("scenes"), path,
               ": --resume: is no file of lte_bench bake");
     if (there["settings"] == settings) return there;
