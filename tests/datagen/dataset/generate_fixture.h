@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "datagen/dataset/generate.h"
 #include "lte/base/log.h"
@@ -12,6 +13,12 @@
 #include "tests/support/folder_files.h"
 
 namespace lte::datagen::test {
+
+inline std::vector<float> floats(const std::vector<Rgb>& values) {
+  std::vector<float> out;
+  for (const Rgb& value : values) out.insert(out.end(), {value.x, value.y, value.z});
+  return out;
+}
 
 class Generate : public data::test::Folder {
  protected:
