@@ -7,8 +7,9 @@
 #include <torch/nn/init.h>
 
 #include "experiments/paper/view_camera.h"
+#include "infer/eval/baselines/denoised_paths.h"
+#include "infer/eval/measure/eval_points.h"
 #include "infer/eval/measure/scores.h"
-#include "lte/data/light_groups.h"
 
 namespace lte::experiments {
 namespace {
@@ -84,9 +85,14 @@ at::Tensor structural_dissimilarity(const at::Tensor& a, const at::Tensor& b) {
                  .mean();
 }
 
-ShadingView shading_view(const data::View& view, int64_t light_groups, double radiance) {
+ShadingView shading_view(const data::View& view, int64_t light_groups, double radiance,
+                         const image::Denoiser& denoiser) {
   ShadingView out;
-  const std::vector<Rgb> direct = data::sum_groups(view.direct, light_groups, 1 / radiance);
+  const infer::ViewPixels pixels(view, light_groups, radiance);
+  const auto clean = [&](const std::vector<Rgb>& light) {
+    return infer::denoised_paths(denoiser, view, light);
+  };
+  const std::vector<Rgb> direct = clean(pixels.points.direct);
   out.mask =
       at::from_blob(const_cast<uint8_t*>(view.mask.data()), {view.height, view.width}, at::kByte)
           .to(at::kBool);
@@ -102,17 +108,17 @@ ShadingView shading_view(const data::View& view, int64_t light_groups, double ra
   const at::Tensor geometry = at::cat({normal, position / kMetresPerUnit}, 2)
                                   .masked_fill(~out.mask.unsqueeze(2), 0)
                                   .permute({2, 0, 1});
-  const at::Tensor light = displayed(picture(direct, view), out.white).permute({2, 0, 1});
+  const auto light = [&](const std::vector<Rgb>& values) {
+    const image::Image seen = infer::fill_mask(values, view.mask, view.width, view.height);
+    return displayed(at::tensor(seen.pixels).view({view.height, view.width, 3}), out.white)
+        .permute({2, 0, 1})
+        .unsqueeze(1);
+  };
   const at::Tensor input =
-      at::cat({light.unsqueeze(1), geometry.unsqueeze(0).expand({3, -1, -1, -1})}, 1);
+      at::cat({light(direct), geometry.unsqueeze(0).expand({3, -1, -1, -1})}, 1);
   const auto room = [](int64_t side) { return -side & (DeepShadingImpl::kSideUnit - 1); };
   out.input = at::replication_pad2d(input, {0, room(view.width), 0, room(view.height)});
-  out.target = displayed(picture(data::sum_groups(view.indirect, light_groups, 1 / radiance), view),
-                         out.white)
-                   .masked_fill(~out.mask.unsqueeze(2), 0)
-                   .permute({2, 0, 1})
-                   .unsqueeze(1)
-                   .contiguous();
+  out.target = light(clean(pixels.points.reference)).contiguous();
   return out;
 }
 

@@ -11,6 +11,7 @@
 
 #include "infer/eval/measure/eval_points.h"
 #include "lte/data/scene_sample.h"
+#include "lte/image/denoise.h"
 
 namespace lte::experiments {
 
@@ -48,7 +49,10 @@ struct ShadingView {
 };
 
 /// @param radiance  emission scalar
-ShadingView shading_view(const data::View& view, int64_t light_groups, double radiance);
+/// @param denoiser  of both kinds of light: noise in what is to be learnt would teach contrast, as
+///                  structural similarity has it
+ShadingView shading_view(const data::View& view, int64_t light_groups, double radiance,
+                         const image::Denoiser& denoiser);
 
 /// What the network answers at the pixels whose mask is set, over the emission scalar.
 std::vector<Rgb> shade(DeepShadingImpl& network, const ShadingView& view);

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "infer/eval/baselines/denoised_paths.h"
 #include "infer/eval/measure/bootstrap.h"
 #include "infer/eval/measure/equal_samples.h"
 #include "infer/eval/measure/scores.h"
@@ -29,17 +30,18 @@ double emission_scalar(const data::SceneSample& sample) {
 }
 
 /// The mean over the views of a scene.
-infer::SceneErrors score_scene(const EvalScene& scene, const AnswerView& answer,
-                               infer::Scores* scores) {
+infer::SceneErrors score_scene(const EvalScene& scene, const image::Denoiser& denoiser,
+                               const AnswerView& answer, infer::Scores* scores) {
   infer::ViewScore sum{}, traced_sum{};
   double noise = 0, views = 0;
   for (const data::View& view : scene.sample.views) {
     const infer::ViewPixels pixels(view, scene.sample.light_groups, scene.radiance);
     if (pixels.position.empty()) continue;
     const std::vector<Rgb>& reference = pixels.points.reference;
+    const std::vector<Rgb> seen = infer::denoised_paths(denoiser, view, reference);
     const auto add = [&](const std::vector<Rgb>& values, infer::ViewScore* to) {
       const infer::ViewScore score =
-          infer::score_view(values, reference, view.mask, view.width, view.height);
+          infer::score_view(values, reference, seen, view.mask, view.width, view.height);
       for (size_t k = 0; k < score.size(); ++k) (*to)[k] += score[k];
     };
     add(answer(scene, view, pixels), &sum);
@@ -79,10 +81,11 @@ std::vector<EvalScene> read_eval_scenes(const std::filesystem::path& data, data:
 }
 
 nlohmann::json score_views(const std::vector<EvalScene>& scenes, const AnswerView& answer) {
+  const image::Denoiser denoiser(image::DenoiseBy::OpenImageDenoise);
   std::vector<infer::Scores> scores(scenes.size());
   std::vector<infer::SceneErrors> errors;
   for (size_t i = 0; i < scenes.size(); ++i) {
-    errors.push_back(score_scene(scenes[i], answer, &scores[i]));
+    errors.push_back(score_scene(scenes[i], denoiser, answer, &scores[i]));
     LTE_CHECK(!scores[i].empty(), scenes[i].path.string(), ": has no view to compare");
   }
   const infer::Bootstrap bootstrap(scenes.size(), {});

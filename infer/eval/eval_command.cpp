@@ -103,6 +103,9 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
   const char* const results = "Results";
   option(results, "--report", &r->report,
          "Folder for report.html and a contact sheet of each scene");
+  app.add_flag("--denoise-references", r->denoise_references,
+               "SSIM and FLIP of references without noise, by Open Image Denoise")
+      ->group(results);
   option(results, "--resamples", &r->bootstrap.resamples,
          "Bootstrap resamples of the scenes behind the 95 % confidence intervals")
       ->check(CLI::Range(1, 1'000'000))
@@ -146,6 +149,7 @@ void run_eval(const EvalRequest& request) {
   settings.data = data;
   settings.split = data::parse_split(request.split);
   settings.scene_points = request.scene_points;
+  settings.denoise_references = request.denoise_references;
   settings.bootstrap = request.bootstrap;
   settings.memory = memory;
   settings.on_scene = [&] { memory.check("a scene"); };

@@ -14,6 +14,7 @@ struct EvalRequest {
   std::string config, checkpoint, data, split, baselines, report;
   std::string fit_baselines, out;
   int64_t scene_points = 0;
+  bool denoise_references = false;
   BootstrapSettings bootstrap;
   ToolOptions tool;
 };

@@ -89,7 +89,8 @@ void add_denoised(const image::Denoiser& denoiser, const data::View& view, Predi
 /// Scores of one view, added up over the views of a scene; the caller divides.
 class ViewSums {
  public:
-  void add(const Predictions& predictions, const ViewPixels& pixels, const data::View& view) {
+  void add(const Predictions& predictions, const ViewPixels& pixels, std::span<const Rgb> seen,
+           const data::View& view) {
     if (pixels.position.empty()) return;
     const ReferenceNoise noise = pixels.points.noise();
     noise_.mse += noise.mse;
@@ -97,7 +98,7 @@ class ViewSums {
     ++views_;
     for (const auto& [name, values] : predictions) {
       const ViewScore score =
-          score_view(values, pixels.points.reference, view.mask, view.width, view.height);
+          score_view(values, pixels.points.reference, seen, view.mask, view.width, view.height);
       std::pair<ViewScore, int>& sum = sums_[name];
       for (size_t k = 0; k < score.size(); ++k) sum.first[k] += score[k];
       ++sum.second;
@@ -182,7 +183,10 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample
     const ViewPixels pixels(view, sample.light_groups, result.radiance);
     Predictions predictions = predictors.predict(pixels.points, &result.decode_seconds);
     if (denoiser.is_oidn()) add_denoised(denoiser, view, &predictions);
-    sums.add(predictions, pixels, view);
+    const std::vector<Rgb>& reference = pixels.points.reference;
+    sums.add(predictions, pixels,
+             settings.denoise_references ? denoised_paths(denoiser, view, reference) : reference,
+             view);
     if (settings.on_view) {
       settings.on_view({sample.name, static_cast<int>(k), view, pixels.points.reference,
                         predictions.front().second, pixels.points.path_traced});
@@ -254,7 +258,8 @@ EvalResult evaluate(const EvalSettings& settings, const runtime::Network& networ
     log_warning(settings.data.string(),
                 ": scenes with directional lights, but the model was trained without any");
   }
-  const image::Denoiser denoiser;
+  const image::Denoiser denoiser(settings.denoise_references ? image::DenoiseBy::OpenImageDenoise
+                                                             : image::DenoiseBy::Best);
   EvalResult result;
   result.split = data::split_name(settings.split);
   result.bootstrap = settings.bootstrap;

@@ -64,6 +64,8 @@ struct EvalSettings {
   std::filesystem::path data;
   data::Split split = data::Split::Test;
   int64_t scene_points = 0;  ///< shown to the model; 0: as many as in training
+  /// SSIM and FLIP are of references that Open Image Denoise has cleaned.
+  bool denoise_references = false;
   BootstrapSettings bootstrap;
   runtime::MemoryLimit memory;
   ViewSink on_view;                ///< may be empty
@@ -71,8 +73,9 @@ struct EvalSettings {
 };
 
 /// Compares the model and the baselines with the reference in every scene of a split.
-/// @throws lte::Error if the split is empty (naming those that are not), or if data and model have
-///         different scales s.
+/// @throws lte::Error if the split is empty (naming those that are not), if data and model have
+///         different scales s, or if references are to be denoised and Open Image Denoise is not
+///         there.
 EvalResult evaluate(const EvalSettings& settings, const runtime::Network& network,
                     const Baselines& baselines);
 

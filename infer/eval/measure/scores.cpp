@@ -39,8 +39,9 @@ Scores combine(const std::vector<Scores>& scenes,
     const auto over_scenes = [&](auto member, size_t metric) {
       std::vector<double> values;
       for (const Scores& scene : scenes) {
-        const double value = (find_score(scene, name)->*member)[metric];
-        if (std::isfinite(value)) values.push_back(value);
+        const Score* const found = find_score(scene, name);
+        if (found && std::isfinite((found->*member)[metric]))
+          values.push_back((found->*member)[metric]);
       }
       return values.empty() ? kMissing : statistic(values);
     };
@@ -114,12 +115,13 @@ image::Image fill_mask(std::span<const Rgb> values, std::span<const uint8_t> mas
 }
 
 ViewScore score_view(std::span<const Rgb> prediction, std::span<const Rgb> reference,
-                     std::span<const uint8_t> mask, int width, int height) {
+                     std::span<const Rgb> seen, std::span<const uint8_t> mask, int width,
+                     int height) {
   const PointScore points = score_points(prediction, reference);
   if (reference.empty()) return Score().views;
   const auto exposure = static_cast<float>(white_exposure(reference));
   const image::Image a = fill_mask(prediction, mask, width, height);
-  const image::Image b = fill_mask(reference, mask, width, height);
+  const image::Image b = fill_mask(seen, mask, width, height);
   const double ssim = image::ssim(image::tonemap(a, exposure), image::tonemap(b, exposure), mask);
   const double ldr =
       image::masked_mean(image::flip(exposed(a, exposure), exposed(b, exposure)), mask);

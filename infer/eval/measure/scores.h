@@ -46,8 +46,11 @@ double white_exposure(std::span<const Rgb> reference);
 PointScore score_points(std::span<const Rgb> prediction, std::span<const Rgb> reference);
 
 /// Scores one view. Values are of the pixels whose mask is set, in row order.
+/// @param seen  the reference that SSIM and FLIP compare with: `reference`, or that without its
+///              noise, which rules both where a pixel has some hundred paths
 ViewScore score_view(std::span<const Rgb> prediction, std::span<const Rgb> reference,
-                     std::span<const uint8_t> mask, int width, int height);
+                     std::span<const Rgb> seen, std::span<const uint8_t> mask, int width,
+                     int height);
 
 /// Puts the values of the masked pixels back into a picture, which is black elsewhere.
 image::Image fill_mask(std::span<const Rgb> values, std::span<const uint8_t> mask, int width,

@@ -12,12 +12,14 @@ TOO_LARGE = {f"infinigen_{name}" for name in ("bedroom", "dining_room", "living_
 METHODS = (("network, decoded", "neural"), ("start without network", "light_cache"),
            ("64 paths", "path_tracing_64"), ("64 paths, denoised", "path_tracing_64_denoised"),
            ("16 paths, denoised", "path_tracing_16_denoised"))
+CLEAN = ("--denoise-references",)  # of 512 paths a pixel, whose noise would rule SSIM
 
 
-def evaluated(run, label, data, checkpoint="lte-base"):
+def evaluated(run, label, data, checkpoint="lte-base", flags=()):
     """Errors of all methods on a data set, in pictures, a row each."""
     result = run.tool(f"{label}-eval", "lte_eval", "--checkpoint",
-                      f"assets/models/{checkpoint}.safetensors", "--data", data, "--split", "test")
+                      f"assets/models/{checkpoint}.safetensors", "--data", data, "--split", "test",
+                      *flags)
     rows = []
     for name, key in METHODS:
         views = (result["metrics"].get(key) or {}).get("views") or {}
@@ -46,9 +48,15 @@ def generated(run, label, config, scenes, seed, *settings, flags=()):
     return data
 
 
+def views(run, rays):
+    width, height = run.size((256, 192), (48, 36))
+    return f"views.width={width}", f"views.height={height}", f"views.rays={rays}"
+
+
 def homes(run):
     """Homes of a seed that nothing was tuned on, with their meshes."""
-    return generated(run, "homes", "homes_test", run.size(100, 12), 880057, flags=["--glb"])
+    return generated(run, "homes", "homes_test", run.size(100, 12), 880057,
+                     *views(run, run.size(512, 1024)), flags=["--glb"])
 
 
 def outside(run):
@@ -60,9 +68,8 @@ def outside(run):
     for file in scenes:
         shutil.copyfile(file, run.root / folder / file.name)
     return generated(run, "outside", "files", run.size(len(scenes), 6), 880061, "val_share=0",
-                     "test_share=1", "query_points=1024", "rays=512", "views.width=48",
-                     "views.height=36", "views.rays=1024", f"files.folder={folder}",
-                     flags=["--glb"])
+                     "test_share=1", "query_points=1024", "rays=512",
+                     *views(run, run.size(512, 1024)), f"files.folder={folder}", flags=["--glb"])
 
 
 def statistics_of_scenes(run):

@@ -4,8 +4,8 @@ import dataclasses
 import typing
 
 from . import cornell, edits, growth, plans, trainings
-from .evaluation import (EVAL_COLUMNS, eval_line, evaluated, failures, homes, materials, outside,
-                        size_line, statistics_of_scenes)
+from .evaluation import (CLEAN, EVAL_COLUMNS, eval_line, evaluated, failures, homes, materials,
+                        outside, size_line, statistics_of_scenes)
 from .rivals import outside_columns, rivals
 from .words import digits
 
@@ -25,8 +25,8 @@ class Row:
 
 def table1(run):
     data, rooms = homes(run), outside(run)
-    found = evaluated(run, "homes", data)
-    elsewhere = {row["method"]: row for row in evaluated(run, "outside", rooms)}
+    found = evaluated(run, "homes", data, flags=CLEAN)
+    elsewhere = {row["method"]: row for row in evaluated(run, "outside", rooms, flags=CLEAN)}
     found = [row | outside_columns(elsewhere[row["method"]]) for row in found]
     found[0]["training"] = "13,000 rooms, 26 h"  # by the card of lte-base
     return found + rivals(run, data, rooms)

@@ -57,7 +57,7 @@ TEST(Scores, OfAPerfectViewAreBestAndMaskedPixelsDoNotCount) {
       values.push_back(Rgb{1, 2, 3} * static_cast<float>(i % 7));
     }
   }
-  const ViewScore score = score_view(values, values, mask, width, height);
+  const ViewScore score = score_view(values, values, values, mask, width, height);
   EXPECT_EQ(score[0], 0);
   EXPECT_EQ(score[1], 100) << "the cap";
   EXPECT_NEAR(score[2], 1, 1e-6);
@@ -67,6 +67,23 @@ TEST(Scores, OfAPerfectViewAreBestAndMaskedPixelsDoNotCount) {
   const image::Image picture = fill_mask(values, mask, width, height);
   EXPECT_EQ(picture.rgb(5, 0), Rgb{});
   EXPECT_EQ(picture.rgb(6, 0), (Rgb{6, 12, 18}));
+}
+
+TEST(Scores, OfWhatIsSeenAreOfTheReferenceWithoutItsNoise) {
+  const int width = 24, height = 16;
+  const std::vector<uint8_t> mask(size_t{24} * 16, 1);
+  std::vector<Rgb> clean, noisy;
+  for (size_t i = 0; i < mask.size(); ++i) {
+    clean.push_back(Rgb{1, 2, 3} * (1 + 0.1F * static_cast<float>(i % 24)));
+    noisy.push_back(clean.back() * (i * 7 % 13 < 6 ? 1.3F : 0.7F));
+  }
+  const ViewScore raw = score_view(clean, noisy, noisy, mask, width, height),
+                  score = score_view(clean, noisy, clean, mask, width, height);
+  EXPECT_LT(raw[2], 0.9);
+  EXPECT_NEAR(score[2], 1, 1e-6) << "SSIM";
+  EXPECT_EQ(score[4], 0) << "FLIP";
+  EXPECT_EQ(score[5], 0);
+  for (const size_t k : {0, 1, 3}) EXPECT_EQ(score[k], raw[k]) << kViewMetrics[k];
 }
 
 TEST(Scores, MeanAndMedianAreOverScenesWithoutTheMissing) {
@@ -277,6 +294,24 @@ TEST_F(Evaluation, PutsTheViewsOfASceneOnOneSheetAndAllOfItOnOnePage) {
   EXPECT_THAT(page, testing::HasSubstr("a&lt;b"));
   EXPECT_THAT(page, testing::HasSubstr("data:image/png;base64,"));
   EXPECT_THAT(page, testing::Not(testing::HasSubstr("http")));
+}
+
+TEST_F(Evaluation, DenoisedReferencesChangeWhatIsSeenAlone) {
+  const runtime::Network model = predictor();
+  const Baselines baselines = fit_baselines(settings_.data);
+  const auto views = [&] {
+    return evaluate(settings_, model, baselines).mean.front().second.views;
+  };
+  const ViewScore raw = views();
+  settings_.denoise_references = true;
+  if (!image::Denoiser().is_oidn()) {
+    EXPECT_THROW(views(), Error);
+    return;
+  }
+  const ViewScore seen = views();
+  EXPECT_EQ(seen[0], raw[0]) << "MSE";
+  EXPECT_NE(seen[2], raw[2]) << "SSIM";
+  EXPECT_NE(seen[4], raw[4]) << "FLIP";
 }
 
 TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {
