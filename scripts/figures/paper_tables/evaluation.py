@@ -21,6 +21,7 @@ def evaluated(run, label, data, checkpoint="lte-base", flags=()):
                       f"assets/models/{checkpoint}.safetensors", "--data", data, "--split", "test",
                       *flags)
     rows = []
+    noise = statistics.mean(scene["views_noise_mse"] for scene in result["per_scene"])
     for name, key in METHODS:
         views = (result["metrics"].get(key) or {}).get("views") or {}
         if views.get("mse") is None:
@@ -29,8 +30,13 @@ def evaluated(run, label, data, checkpoint="lte-base", flags=()):
         samples = result["equal_samples"].get(key, {}).get("views", {}).get("all")
         rows.append({"scenes": label, "count": result["scenes"], "method": name,
                      "mse": views["mse"], "interval": bounds, "ssim": views.get("ssim"),
-                     "flip": views.get("flip"), "worth": samples})
+                     "flip": views.get("flip"), "worth": samples, "noise": noise})
     return rows
+
+
+def without_noise(row, noise):
+    """A row whose MSE is without that of the references."""
+    return row | {"mse": row["mse"] - noise, "interval": [end - noise for end in row["interval"]]}
 
 
 def triangles_of(run, data):

@@ -2,14 +2,21 @@
 trained here, and gathered light."""
 from .evaluation import CLEAN, evaluated, generated, views
 
+ROOMS = ("mixed.homes=0.6", "mixed.boxes=0.2", "mixed.wild=0.2", "evaluation_splits=[train]",
+         "path_tracing_64=false")
+
 
 def training_rooms(run):
-    """Homes, boxes and wild rooms with a view each and direct light on scene points. Few paths: what
-    is learnt from a view is denoised, and points have more."""
-    return generated(run, "rivals", "mixed", run.size(900, 40), 990057, "mixed.homes=0.6",
-                     "mixed.boxes=0.2", "mixed.wild=0.2", "evaluation_splits=[train]",
-                     "path_tracing_64=false", "scene_points=4096", "query_points=2048", "rays=64",
-                     "light_paths=16", *views(run, run.size(16, 256)))
+    """Homes, boxes and wild rooms with direct light on scene points."""
+    return generated(run, "rivals", "mixed", run.size(750, 40), 990057, *ROOMS,
+                     "scene_points=4096", "query_points=2048", "rays=64", "light_paths=16")
+
+
+def training_views(run):
+    """The same rooms, a view of each. Of few paths: what is learnt from it is denoised."""
+    return generated(run, "rival-views", "mixed", run.size(750, 40), 990057, *ROOMS,
+                     "scene_points=256", "query_points=256", "rays=16", "views.count=1",
+                     *views(run, run.size(16, 256)))
 
 
 def deep_shading(run, label, data, split, *tests):
@@ -45,7 +52,7 @@ def rivals(run, homes, outside):
     rooms = training_rooms(run)
     tests = ["--test", homes, "--also", outside]
     points = hermosilla(run, rooms, *tests)
-    shading = deep_shading(run, "deep-shading", rooms, "train", *tests)
+    shading = deep_shading(run, "deep-shading", training_views(run), "train", *tests)
     [points_outside], [shading_outside] = points["also"], shading["also"]
     found = (("Deep Shading, by heart", by_heart, None, views_of(by_heart)),
              ("Deep Shading", shading, shading_outside, views_of(shading)),
