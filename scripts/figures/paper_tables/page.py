@@ -59,7 +59,7 @@ GROWTH = """
 """
 
 AFTER = {"table1": """
-Pictures of 256 x 192; MSE is without the references' noise, SSIM and FLIP are of denoised ones. The
+Pictures of 256 x 192; MSE without the references' noise, SSIM and FLIP of denoised ones. The
 rivals learnt for half an hour of one core, lte-base 52 times as long. By SSIM the order is the
 paper's. Sixteen paths or gathered rays, denoised, are ahead of all networks: in pictures ours
 [gathers](benchmarks.md#rooms-from-elsewhere).
