@@ -58,7 +58,7 @@ LightTable LightTables::traced(const std::string& name, int paths) const {
 }
 
 gi::IrradianceCache LightTables::cache_of(const LightTable& table) const {
-  return {scene_.bvh, places_, table.light.total(), table.light.direct};
+  return gi::IrradianceCache::of(scene_.bvh, places_, table.light);
 }
 
 std::vector<LightTable> LightTables::make(const runtime::SceneEmbedding& embedding) const {

@@ -336,8 +336,7 @@ std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
   // The BVH and the lights borrow the scene, and the cache may outlive this state.
   if (answered_by == Method::Gather) {
     return std::make_shared<LazyCache>([from = records, now = edits, held = scene, rays = bvh] {
-      const gi::RecordLight light = from->light(*now);
-      return gi::IrradianceCache(*rays, from->traced.places, light.total(), light.direct);
+      return gi::IrradianceCache::of(*rays, from->traced.places, from->light(*now));
     });
   }
   return std::make_shared<LazyCache>([from = records, now = edits, by = layers, held = scene,

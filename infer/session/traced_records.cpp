@@ -35,6 +35,9 @@ gi::RecordLight TracedRecords::light_of(std::span<const int> of_groups,
   out.indirect.resize(out.direct.size());
   add_groups(direct, out.direct.size(), of_groups, gains, &out.direct);
   add_groups(indirect, out.direct.size(), of_groups, gains, &out.indirect);
+  if (last.empty()) return out;
+  out.last.resize(out.direct.size());
+  add_groups(last, out.direct.size(), of_groups, gains, &out.last);
   return out;
 }
 
@@ -60,8 +63,10 @@ TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
   options.seed = raw ? hash_combine(settings.seed, kLight) : places;
   options.variance = false;
   options.direct_only = options.max_depth == 1;
+  options.last_bounce = raw;
+  if (raw) out.last.resize(out.direct.size());
   const std::vector<Vec3>&start = out.places.start, &normal = out.places.start_normal;
-  std::vector<Rgb> direct(groups * start.size()), indirect(direct.size());
+  std::vector<Rgb> direct(groups * start.size()), indirect(direct.size()), last(direct.size());
   for (size_t first = 0; first < start.size(); first += kBlock) {
     if (check) check();
     const size_t size = std::min(kBlock, start.size() - first);
@@ -75,14 +80,17 @@ TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
     };
     take(light.direct, &direct);
     take(light.indirect, &indirect);
+    take(light.last, &last);
   }
   for (size_t g = 0; g < groups; ++g) {
-    const auto of_group = [&](const std::vector<Rgb>& values) {
-      return gi::record_means(out.places,
-                              std::span(values).subspan(g * start.size(), start.size()));
+    const auto put = [&](const std::vector<Rgb>& values, std::vector<Rgb>* to) {
+      const std::span of_group = std::span(values).subspan(g * start.size(), start.size());
+      std::ranges::copy(gi::record_means(out.places, of_group),
+                        to->begin() + static_cast<ptrdiff_t>(g * count));
     };
-    std::ranges::copy(of_group(direct), out.direct.begin() + static_cast<ptrdiff_t>(g * count));
-    std::ranges::copy(of_group(indirect), out.indirect.begin() + static_cast<ptrdiff_t>(g * count));
+    put(direct, &out.direct);
+    put(indirect, &out.indirect);
+    if (raw) put(last, &out.last);
   }
   return out;
 }

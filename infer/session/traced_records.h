@@ -17,6 +17,7 @@ struct TracedRecords {
   int64_t groups = 0;
   std::vector<Rgb> direct;    ///< [groups, records], W/m²: depth 1
   std::vector<Rgb> indirect;  ///< [groups, records]: depths from 2 on; 0 where none were traced
+  std::vector<Rgb> last;      ///< [groups, records]: of the last depth alone; or empty, likewise
 
   /// The light of some groups, each times its gain by channel, an entry each.
   /// @throws lte::Error for a group that there is not, or another number of gains.

@@ -169,6 +169,15 @@ std::vector<Rgb> RecordLight::total() const {
   return sum;
 }
 
+std::vector<Rgb> RecordLight::shorter() const {
+  if (last.empty()) return {};
+  std::vector<Rgb> sum = total();
+  for (size_t i = 0; i < sum.size(); ++i) {
+    for (int c = 0; c < 3; ++c) sum[i][c] = std::max(0.0f, sum[i][c] - last[i][c]);
+  }
+  return sum;
+}
+
 std::vector<Rgb> record_means(const CacheRecords& records, std::span<const Rgb> of_point) {
   std::vector<Rgb> out(records.position.size());
   for (size_t i = 0; i < out.size(); ++i) {
@@ -214,6 +223,7 @@ RecordLight estimate_records(const pathtrace::Bvh& bvh, const pathtrace::Lights&
   found.indirect.resize(points);
   out.direct = record_means(records, direct.irradiance);
   out.indirect = record_means(records, found.indirect);
+  out.last = max_depth > 1 ? record_means(records, found.last) : out.direct;
   out.rays_traced = found.rays_traced + direct.rays_traced;
   return out;
 }

@@ -42,12 +42,15 @@ CacheRecords sample_records(const pathtrace::Bvh& bvh, int64_t count, uint64_t s
 struct RecordLight {
   std::vector<Rgb> direct;    ///< depth 1
   std::vector<Rgb> indirect;  ///< depths 2 to max_depth
+  std::vector<Rgb> last;      ///< of that max_depth alone; empty where nobody knows
   /// Variance of `direct`, summed over its channels, as far as it is of light samples; empty where
   /// points have one each. A record's own is known to 140 %: average it over some.
   std::vector<float> direct_variance;
   int64_t rays_traced = 0;
 
   std::vector<Rgb> total() const;
+  /// total() without the light of its last bounce; empty where nobody knows it.
+  std::vector<Rgb> shorter() const;
 };
 
 /// Of values at all points of the records, [records.start], the mean over those of each.

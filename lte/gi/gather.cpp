@@ -53,7 +53,7 @@ struct CacheReader {
                         Rgb* irradiance) {
     if (depth <= near_hits && distance < near_m) return false;
     ++counts->lookups;
-    if (cache->lookup(position + frame, side, irradiance)) return true;
+    if (cache->lookup(position + frame, side, irradiance, depth)) return true;
     ++counts->misses;
     return false;
   }
@@ -113,9 +113,11 @@ class Gatherer : public pathtrace::LightSink {
   /// @param first_stream  the number of the first point
   void gather(std::span<const Vec3> positions, std::span<const Vec3> normals,
               std::span<const Vec3> geometric, std::span<const pathtrace::SampleNumber> numbers,
-              int64_t first_stream, std::span<Rgb> out, std::span<Rgb> met) {
+              int64_t first_stream, std::span<Rgb> out, std::span<Rgb> met,
+              std::span<Rgb> last) {
     sums_.assign(positions.size(), {});
     met_.assign(positions.size(), {});
+    last_.assign(positions.size(), {});
     aims_.clear();
     for (size_t i = 0; !bright_.empty() && i < positions.size(); ++i) {
       const bool first =
@@ -156,6 +158,7 @@ class Gatherer : public pathtrace::LightSink {
     for (size_t i = 0; i < out.size(); ++i) {
       out[i] = scaled(sums_[i], scale);
       met[i] = scaled(met_[i], scale);
+      last[i] = scaled(last_[i], scale);
     }
   }
 
@@ -164,10 +167,9 @@ class Gatherer : public pathtrace::LightSink {
       // What an emitter sends out by itself to the point is direct light there. What it or another
       // surface reflects comes from the cache.
       std::vector<Sum>& kind = depth == 1 && c.light_group != scene::kNone ? met_ : sums_;
-      Sum& sum = kind[point_[static_cast<size_t>(c.path)]];
-      sum[0] += double{c.value.x};
-      sum[1] += double{c.value.y};
-      sum[2] += double{c.value.z};
+      const size_t point = point_[static_cast<size_t>(c.path)];
+      add_to(&kind[point], c.value);
+      if (depth == options_.max_depth && c.light_group != scene::kNone) add_to(&last_[point], c.value);
     }
   }
 
@@ -177,6 +179,11 @@ class Gatherer : public pathtrace::LightSink {
  private:
   using Sum = std::array<double, 3>;
 
+  static void add_to(Sum* sum, const Rgb& value) {
+    (*sum)[0] += double{value.x};
+    (*sum)[1] += double{value.y};
+    (*sum)[2] += double{value.z};
+  }
   static Rgb scaled(const Sum& sum, double scale) {
     return {static_cast<float>(sum[0] * scale), static_cast<float>(sum[1] * scale),
             static_cast<float>(sum[2] * scale)};
@@ -208,7 +215,7 @@ class Gatherer : public pathtrace::LightSink {
   pathtrace::BasicTransport<CacheReader, AimedDirections> transport_;
   std::array<size_t, kBlock> point_;
   std::vector<Vec3> geometric_;  ///< normals of the paths' surfaces; empty as they are given
-  std::vector<Sum> sums_, met_;
+  std::vector<Sum> sums_, met_, last_;
 };
 
 }  // namespace
@@ -230,6 +237,7 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
   Gathered out;
   out.indirect.resize(positions.size());
   out.met.resize(positions.size());
+  out.last.resize(positions.size());
   if (lights.empty()) return out;
   std::atomic<int64_t> rays_traced{0}, lookups{0}, misses{0};
   // Whole blocks of paths, where points have few rays.
@@ -243,7 +251,8 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
         options.numbers.empty() ? options.numbers : options.numbers.subspan(first, count);
     gatherer->gather(positions.subspan(first, count), normals.subspan(first, count), geometric,
                      numbers, first_index + begin, std::span(out.indirect).subspan(first, count),
-                     std::span(out.met).subspan(first, count));
+                     std::span(out.met).subspan(first, count),
+                     std::span(out.last).subspan(first, count));
     rays_traced += gatherer->rays_traced();
     lookups += gatherer->counts().lookups;
     misses += gatherer->counts().misses;

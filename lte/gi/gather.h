@@ -37,6 +37,7 @@ struct Gathered {
   /// [points]: of direct light what the rays meet, by the balance heuristic against as many light
   /// samples (pathtrace::DirectOptions::hemisphere_elsewhere with a share of 1). Both sum up to it.
   std::vector<Rgb> met;
+  std::vector<Rgb> last;            ///< [points]: of `indirect`, what paths found at max_depth
   int64_t rays_traced = 0;          ///< nearest and shadow rays
   int64_t lookups = 0, misses = 0;  ///< of the cache; a miss makes the path go on
 };
@@ -45,7 +46,7 @@ struct Gathered {
 /// reflected. Emitters and environments that rays meet at once are direct light, and apart.
 /// Unbiased but for what the cache's values are wrong by, for textures, which are filtered over a
 /// part of what a ray stands for, and for paths cut at max_depth. Where the cache's light has depth
-/// d, the result has depth d + 1.
+/// d, the result has depth d + 1: a hit after the first reads light of one bounce less.
 ///
 /// Point i has the number first_index + i, by which it draws random numbers: the result depends
 /// neither on threads nor on how a set is cut into calls. Rays of 64 points whose numbers follow

@@ -38,7 +38,7 @@ Vec2 octant_middle(int octant) {
 IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& records,
                                  std::span<const Rgb> irradiance, std::span<const Rgb> direct,
                                  std::span<const float> direct_variance,
-                                 const CacheOptions& options)
+                                 std::span<const Rgb> shorter, const CacheOptions& options)
     : records_(records.position.size()), options_(options) {
   LTE_CHECK(direct.empty() || direct.size() == records_.size(),
             "irradiance cache: ", records_.size(), " records but ", direct.size(),
@@ -78,13 +78,18 @@ IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& 
     records_[i].walls = static_cast<uint32_t>(walls_.size());
     walls_.push_back(around[i]);
   }
-  set_light(records, irradiance);
+  set_light(records, irradiance, shorter);
 }
 
-IrradianceCache IrradianceCache::relit(const CacheRecords& records,
-                                       std::span<const Rgb> irradiance) const {
+IrradianceCache IrradianceCache::of(const pathtrace::Bvh& bvh, const CacheRecords& records,
+                                    const RecordLight& light) {
+  return {bvh, records, light.total(), light.direct, light.direct_variance, light.shorter()};
+}
+
+IrradianceCache IrradianceCache::relit(const CacheRecords& records, std::span<const Rgb> irradiance,
+                                       std::span<const Rgb> shorter) const {
   IrradianceCache out(*this);
-  out.set_light(records, irradiance);
+  out.set_light(records, irradiance, shorter);
   return out;
 }
 
@@ -92,18 +97,24 @@ IrradianceCache IrradianceCache::answering(std::span<const Rgb> irradiance) cons
   LTE_CHECK(irradiance.size() == records_.size(), "irradiance cache: ", records_.size(),
             " records but ", irradiance.size(), " irradiances");
   IrradianceCache out(*this);
-  for (size_t i = 0; i < irradiance.size(); ++i) out.records_[i].irradiance = irradiance[i];
+  for (size_t i = 0; i < irradiance.size(); ++i) {
+    out.records_[i].irradiance = out.records_[i].shorter = irradiance[i];
+  }
   return out;
 }
 
-void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb> irradiance) {
+void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb> irradiance,
+                                std::span<const Rgb> shorter) {
   LTE_CHECK(records.position.size() == records_.size() && irradiance.size() == records_.size(),
             "irradiance cache: ", records.size(), " records but ", irradiance.size(),
             " irradiances");
+  LTE_CHECK(shorter.empty() || shorter.size() == irradiance.size(), "irradiance cache: ",
+            irradiance.size(), " irradiances but ", shorter.size(), " of a bounce less");
   double light = 0, lit = 0;
   for (size_t i = 0; i < irradiance.size(); ++i) {
     LTE_CHECK(is_finite(irradiance[i]), "irradiance cache: irradiance ", i, " is not finite");
     records_[i].irradiance = irradiance[i];
+    records_[i].shorter = shorter.empty() ? irradiance[i] : shorter[i];
     records_[i].total = gray(irradiance[i]);
     records_[i].silent = false;
     light += double{gray(irradiance[i])} * double{records.area[i]};
@@ -191,14 +202,15 @@ bool IrradianceCache::Walls::hides(const Vec3& offset) const {
   return x * wall.x + y * wall.y > wall.distance;
 }
 
-bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const {
+bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance,
+                             int hit) const {
   if (lamps_.above(position, normal)) return false;
   Rgb sum;
   float weights = 0, shares = 0, total = 0, direct = 0, squares = 0, noise = 0;
   index_.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
     if (!speaks(i, offset)) return;
     const Record& record = records_[i];
-    sum += record.irradiance * (weight * record.share);
+    sum += (hit > 1 ? record.shorter : record.irradiance) * (weight * record.share);
     shares += weight * record.share;
     weights += weight;
     total += record.total * weight;

@@ -43,23 +43,33 @@ class IrradianceCache {
   /// @param direct      its direct part; empty where light is taken to be even everywhere. What is
   ///                    indirect does not decide: noise of paths would then choose what they say.
   /// @param direct_variance  RecordLight::direct_variance; empty where direct light is exact
+  /// @param shorter  `irradiance` without the light of its last bounce, for paths that come there
+  ///                 one bounce later; empty: the same
   /// @throws lte::Error if sizes differ or a value is not finite.
   IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& records,
                   std::span<const Rgb> irradiance, std::span<const Rgb> direct = {},
-                  std::span<const float> direct_variance = {}, const CacheOptions& options = {});
+                  std::span<const float> direct_variance = {}, std::span<const Rgb> shorter = {},
+                  const CacheOptions& options = {});
+  /// Of traced light.
+  static IrradianceCache of(const pathtrace::Bvh& bvh, const CacheRecords& records,
+                            const RecordLight& light);
 
   /// The same records and direct light with other light in all, for a fraction of what making a
   /// cache takes.
   /// @param records  those that the cache was made of
-  IrradianceCache relit(const CacheRecords& records, std::span<const Rgb> irradiance) const;
+  /// @param shorter  as above
+  IrradianceCache relit(const CacheRecords& records, std::span<const Rgb> irradiance,
+                        std::span<const Rgb> shorter = {}) const;
   /// With other light in the answers of lookup(), which it gives for the same places as this one:
   /// a gather then is linear in the light.
   IrradianceCache answering(std::span<const Rgb> irradiance) const;
 
   /// Irradiance on the side `normal` of the surface at `position`.
+  /// @param hit  which one of a path from a point it is; those after the first read light of one
+  ///             bounce less
   /// @return  false where no records near enough stand on the same side, in sight along the
   ///          surface, and where these differ by more than CacheOptions::uneven
-  bool lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const;
+  bool lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance, int hit = 1) const;
 
   /// Where rays that read the cache should be aimed.
   const BrightPlaces& bright_places() const { return bright_; }
@@ -92,12 +102,14 @@ class IrradianceCache {
   static bool find_walls(const pathtrace::Bvh& bvh, const Vec3& position, const Vec3& normal,
                          float radius, Walls* walls, float* open);
 
-  void set_light(const CacheRecords& records, std::span<const Rgb> irradiance);
+  void set_light(const CacheRecords& records, std::span<const Rgb> irradiance,
+                 std::span<const Rgb> shorter);
   bool speaks(uint32_t record, const Vec3& offset) const;
   void silence_dark_sheets(const CacheRecords& records);
 
   struct Record {
     Rgb irradiance;
+    Rgb shorter;                  ///< without the light of its last bounce
     float total = 0, direct = 0;  ///< sums over the channels, of all light and of direct light
     float noise = 0;              ///< variance of `direct`
     float share = 1;              ///< of what its weight would be in the open

@@ -102,7 +102,6 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   gather.seed = options.seed;
   // A gather over the cache adds a bounce to the last.
   const int bounces = options.max_depth - 2, rounds = std::min(kReflections, bounces);
-  std::vector<Rgb> indirect(direct.size());
   // Where a ray finds no record that it may read, it goes on as a path: to the depth that what it
   // would have read has after a reflection, or light of more bounces would be found by chance.
   const auto gathered = [&](const IrradianceCache& cache, int depth, const CacheRecords& at) {
@@ -114,7 +113,8 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
                 bumpy ? std::span<const Vec3>(at.start_normal) : std::span<const Vec3>())
                 .indirect);
   };
-  IrradianceCache cache(bvh, records, direct, direct, light.direct_variance);
+  const std::vector<Rgb> nothing(direct.size());
+  IrradianceCache cache(bvh, records, direct, direct, light.direct_variance, nothing);
   if (bounces < 1 || direct.empty()) return cache;
   // A guess is a guess inside of things, too, where no light comes.
   std::vector<Rgb> reached(guess.begin(), guess.end());
@@ -127,15 +127,23 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   const std::vector<Rgb> of_direct = gathered(both.answering(direct), 1, some);
   // Of one bounce, nothing is passed on.
   const std::vector<Rgb> of_both = bounces - rounds > 1 ? gathered(both, 1, some) : of_direct;
-  Rgb level;
-  for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, bounces - rounds);
-  for (size_t i = 0; i < indirect.size(); ++i) indirect[i] = reached[i] * level;
+  const auto leveled = [&](int depth) {
+    Rgb level;
+    for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, depth - 1);
+    std::vector<Rgb> out(reached.size());
+    for (size_t i = 0; i < out.size(); ++i) out[i] = direct[i] + reached[i] * level;
+    return out;
+  };
+  const int guessed = 1 + bounces - rounds;  // depth of the leveled guess with direct light
+  std::vector<Rgb> shorter = guessed > 1 ? leveled(guessed - 1) : nothing;
+  std::vector<Rgb> total = leveled(guessed);
   for (int round = 0; round < rounds; ++round) {
     gather.seed = hash_combine(options.seed, static_cast<uint64_t>(round));
-    indirect = gathered(cache.relit(records, sum_of(direct, indirect)),
-                        1 + bounces - rounds + round, records);
+    cache = cache.relit(records, total, shorter);
+    shorter = std::move(total);
+    total = sum_of(direct, gathered(cache, guessed + round, records));
   }
-  return cache.relit(records, sum_of(direct, indirect));
+  return cache.relit(records, total, shorter);
 }
 
 }  // namespace lte::gi

@@ -32,6 +32,7 @@ struct IrradianceOptions {
   bool by_group = true;
   /// Irradiance::group_variance is wanted too. It needs `variance` and `by_group`.
   bool group_variance = false;
+  bool last_bounce = false;  ///< Irradiance::last is wanted too
   Sampling sampling = Sampling::Sobol;  ///< Random: to measure what stratification saves
 };
 
@@ -45,6 +46,7 @@ struct Irradiance {
   int64_t groups = 0, points = 0;
   std::vector<Rgb> direct;    ///< [groups, points]: depth 1
   std::vector<Rgb> indirect;  ///< [groups, points]: depths 2 to max_depth
+  std::vector<Rgb> last;      ///< [groups, points]: of that max_depth alone; empty unless asked for
   /// [points]: variance of the *mean* of indirect irradiance summed over groups, averaged over
   /// color channels.
   std::vector<float> variance;

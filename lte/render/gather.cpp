@@ -88,7 +88,7 @@ gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& se
   gi::RecordLight light =
       gi::estimate_records(bvh, lights, records, settings.paths, depth,
                            source ? places : hash_combine(settings.seed, kLight));
-  if (!source) return {bvh, records, light.total(), light.direct, light.direct_variance};
+  if (!source) return gi::IrradianceCache::of(bvh, records, light);
   light.indirect = source(records.position, records.normal, records.albedo);
   return make_cache(scene, settings, records, light);
 }

@@ -41,12 +41,10 @@ class EvenlyLitBox : public testing::Test {
     const auto count = static_cast<size_t>(records.size());
     LevelOptions options;
     options.max_depth = max_depth;
-    return mean(level_network_light(bvh, lights, records,
-                                    {std::vector<Rgb>(count, Rgb{kPi, kPi, kPi}),
-                                     std::vector<Rgb>(count, Rgb{guess, 2 * guess, 0.5f * guess}),
-                                     {},
-                                     0},
-                                    options),
+    RecordLight light;
+    light.direct.assign(count, Rgb{kPi, kPi, kPi});
+    light.indirect.assign(count, Rgb{guess, 2 * guess, 0.5f * guess});
+    return mean(level_network_light(bvh, lights, records, light, options),
                 std::vector<Vec3>{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.1f, 0.4f}},
                 std::vector<Vec3>{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}});
   }

@@ -52,6 +52,7 @@ void check_irradiance_options(const IrradianceOptions& options) {
 void PointSums::start_point() {
   std::fill(direct_.begin(), direct_.end(), Sum{});
   std::fill(indirect_.begin(), indirect_.end(), Sum{});
+  std::fill(last_.begin(), last_.end(), Sum{});
   std::fill(batch_.begin(), batch_.end(), BatchSum{});
   std::fill(gray_.begin(), gray_.end(), 0.0);
 }
@@ -62,6 +63,7 @@ void PointSums::add(int depth, std::span<const Contribution> contributions) {
   for (const Contribution& c : contributions) {
     const size_t group = groups.size() == 1 ? 0 : static_cast<size_t>(c.light_group);
     groups[group].add(c.value);
+    if (depth == last_depth_) last_[group].add(c.value);
     const int32_t batch = batch_of_path_[static_cast<size_t>(c.path)];
     (batch_[static_cast<size_t>(batch)].*part).add(c.value);
     if (depth > 1 && !gray_.empty()) {
@@ -81,6 +83,7 @@ void PointSums::store(int64_t i, Irradiance* out) const {
     };
     out->direct[slot] = scaled(direct_[g]);
     out->indirect[slot] = scaled(indirect_[g]);
+    if (!last_.empty()) out->last[slot] = scaled(last_[g]);
   }
   if (out->variance.empty()) return;  // not asked for
   const auto variance = [this](const auto& value_of) {

@@ -37,11 +37,14 @@ void check_irradiance_options(const IrradianceOptions& options);
 class PointSums : public LightSink {
  public:
   /// @param groups    1: all light together, whatever group it is of
-  /// @param by_group  batches are kept by group too
-  PointSums(int groups, const Batches& batches, bool by_group)
+  /// @param by_group    batches are kept by group too
+  /// @param last_depth  whose light is kept apart, too; 0: none
+  PointSums(int groups, const Batches& batches, bool by_group, int last_depth)
       : batches_(batches),
+        last_depth_(last_depth),
         direct_(groups),
         indirect_(groups),
+        last_(last_depth > 0 ? groups : 0),
         batch_(batches.count),
         gray_(by_group ? static_cast<size_t>(groups) * static_cast<size_t>(batches.count) : 0) {}
 
@@ -66,7 +69,8 @@ class PointSums : public LightSink {
     Sum direct, indirect;
   };
   const Batches batches_;
-  std::vector<Sum> direct_, indirect_;
+  const int last_depth_;
+  std::vector<Sum> direct_, indirect_, last_;
   std::vector<BatchSum> batch_;
   std::vector<double> gray_;  ///< [groups, batches] indirect light over the channels; may be empty
   int batch_of_path_size_ = 0;
@@ -116,6 +120,7 @@ Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const 
   out.rays = int64_t{batches.count} * batches.size;
   out.direct.resize(static_cast<size_t>(out.groups * out.points));
   out.indirect.resize(out.direct.size());
+  if (options.last_bounce) out.last.resize(out.direct.size());
   if (options.variance) {
     out.variance.resize(positions.size());
     out.variance_total.resize(positions.size());
@@ -126,7 +131,8 @@ Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const 
   std::atomic<int64_t> rays_traced{0};
   constexpr int64_t kGrain = 4;  // a point is thousands of rays
   parallel_for(out.points, kGrain, [&](int64_t begin, int64_t end) {
-    PointSums sums(static_cast<int>(out.groups), batches, !out.group_variance.empty());
+    PointSums sums(static_cast<int>(out.groups), batches, !out.group_variance.empty(),
+                   options.last_bounce ? max_depth : 0);
     const auto sampler = std::make_unique<PathSampler>(options.sampling, batches.size);
     const auto transport = std::make_unique<BasicTransport<Observer>>(bvh, lights, max_depth,
                                                                       options.roulette_depth, sums);

@@ -32,11 +32,11 @@ TEST(TracedRecords, AtGainOneTheyFillTheCacheThatPicturesRead) {
   const render::CacheSettings settings{.records = 1024};
   const TracedRecords records =
       trace_records(lit.bvh, lit.lights, settings, render::Method::Gather);
-  const gi::RecordLight light = records.light_of(kAll, kOne);
-  const gi::IrradianceCache mine(lit.bvh, records.places, light.total(), light.direct);
+  const gi::IrradianceCache mine =
+      gi::IrradianceCache::of(lit.bvh, records.places, records.light_of(kAll, kOne));
   const gi::IrradianceCache table = render::make_cache({lit.bvh, lit.lights}, settings);
   ASSERT_EQ(mine.size(), table.size());
-  double a = 0, b = 0;
+  double a = 0, b = 0, late_a = 0, late_b = 0;
   int found = 0;
   for (size_t i = 0; i < records.places.position.size(); ++i) {
     const Vec3 &at = records.places.position[i], &side = records.places.normal[i];
@@ -45,9 +45,14 @@ TEST(TracedRecords, AtGainOneTheyFillTheCacheThatPicturesRead) {
     found += max_component(of_mine) > 0;
     a += double{of_mine.y} * records.places.area[i];
     b += double{of_table.y} * records.places.area[i];
+    ASSERT_TRUE(mine.lookup(at, side, &of_mine, 2) && table.lookup(at, side, &of_table, 2));
+    late_a += double{of_mine.y} * records.places.area[i];
+    late_b += double{of_table.y} * records.places.area[i];
   }
   EXPECT_GT(found, mine.size() / 4);
   EXPECT_NEAR(a, b, 0.03 * b) << "paths of other numbers, of the same light";
+  EXPECT_NEAR(late_a, late_b, 0.03 * b) << "without their last bounce";
+  EXPECT_LT(late_b, b);
 }
 
 TEST(TracedRecords, LightIsTheSumOfLampsTimesTheirGains) {
