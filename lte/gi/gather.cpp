@@ -113,8 +113,7 @@ class Gatherer : public pathtrace::LightSink {
   /// @param first_stream  the number of the first point
   void gather(std::span<const Vec3> positions, std::span<const Vec3> normals,
               std::span<const Vec3> geometric, std::span<const pathtrace::SampleNumber> numbers,
-              int64_t first_stream, std::span<Rgb> out, std::span<Rgb> met,
-              std::span<Rgb> last) {
+              int64_t first_stream, std::span<Rgb> out, std::span<Rgb> met, std::span<Rgb> last) {
     sums_.assign(positions.size(), {});
     met_.assign(positions.size(), {});
     last_.assign(positions.size(), {});
@@ -169,7 +168,8 @@ class Gatherer : public pathtrace::LightSink {
       std::vector<Sum>& kind = depth == 1 && c.light_group != scene::kNone ? met_ : sums_;
       const size_t point = point_[static_cast<size_t>(c.path)];
       add_to(&kind[point], c.value);
-      if (depth == options_.max_depth && c.light_group != scene::kNone) add_to(&last_[point], c.value);
+      if (depth == options_.max_depth && c.light_group != scene::kNone)
+        add_to(&last_[point], c.value);
     }
   }
 

@@ -108,8 +108,9 @@ void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb
   LTE_CHECK(records.position.size() == records_.size() && irradiance.size() == records_.size(),
             "irradiance cache: ", records.size(), " records but ", irradiance.size(),
             " irradiances");
-  LTE_CHECK(shorter.empty() || shorter.size() == irradiance.size(), "irradiance cache: ",
-            irradiance.size(), " irradiances but ", shorter.size(), " of a bounce less");
+  LTE_CHECK(shorter.empty() || shorter.size() == irradiance.size(),
+            "irradiance cache: ", irradiance.size(), " irradiances but ", shorter.size(),
+            " of a bounce less");
   double light = 0, lit = 0;
   for (size_t i = 0; i < irradiance.size(); ++i) {
     LTE_CHECK(is_finite(irradiance[i]), "irradiance cache: irradiance ", i, " is not finite");

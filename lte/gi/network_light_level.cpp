@@ -10,21 +10,21 @@
 namespace lte::gi {
 namespace {
 
-// One record in so many is sampled for the share of its light that the scene passes on.
-constexpr size_t kSampled = 4;
+// One record in so many of those that light reaches is sampled for the share of its light that the
+// scene passes on. Odd, as the two sides of a place follow each other.
+constexpr size_t kSampled = 3;
 // Light in the housing of a lamp is many times what any guess of a room has there, and nobody sees
-// it: ratios beyond so many medians do not count.
-constexpr float kOutlier = 4;
+// it: ratios beyond so many medians count as so many.
+constexpr float kOutlier = 10;
 
 // Reflections of the leveled guess. One level for a whole scene is wrong in the single rooms of
 // it, the less so the more often the scene itself has carried the light. At the usual depth of 5 a
 // third would leave nothing of the guess.
 constexpr int kReflections = 2;
 
-/// Of records, every kSampled-th.
-CacheRecords picked(const CacheRecords& records) {
+CacheRecords picked(const CacheRecords& records, std::span<const size_t> which) {
   CacheRecords out;
-  for (size_t i = 0; i < records.position.size(); i += kSampled) {
+  for (const size_t i : which) {
     out.position.push_back(records.position[i]);
     out.normal.push_back(records.normal[i]);
     out.albedo.push_back(records.albedo[i]);
@@ -45,9 +45,9 @@ std::vector<Rgb> sum_of(std::span<const Rgb> a, std::span<const Rgb> b) {
   return out;
 }
 
-std::vector<Rgb> picked(std::span<const Rgb> of_all) {
+std::vector<Rgb> picked(std::span<const Rgb> of_all, std::span<const size_t> which) {
   std::vector<Rgb> out;
-  for (size_t i = 0; i < of_all.size(); i += kSampled) out.push_back(of_all[i]);
+  for (const size_t i : which) out.push_back(of_all[i]);
   return out;
 }
 
@@ -63,7 +63,8 @@ float median(std::vector<std::pair<float, float>> value_and_weight) {
   return 0;
 }
 
-/// How bright the guess has to be in a channel, for light of so many bounces.
+/// How bright the guess has to be in a channel, for light of so many bounces: Galerkin's projection
+/// upon it, in the product Σ area · albedo · a · b, in which a reflection by the scene is symmetric.
 /// @param both, direct  a reflection of direct light with the guess and without it, [records]
 float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::span<const Rgb> both,
                std::span<const Rgb> direct, int channel, int bounces) {
@@ -76,11 +77,11 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
   double guessed = 0, once = 0, more = 0;
   for (size_t i = 0; i < guess.size(); ++i) {
     const float f = guess[i][channel];
-    if (!(f > 0) || direct[i][channel] > most * f) continue;
-    const double area{records.area[i]};
-    guessed += area * double{f};
-    once += area * double{direct[i][channel]};
-    more += area * double{both[i][channel] - direct[i][channel]};
+    if (!(f > 0)) continue;
+    const double weight = double{records.area[i]} * double{records.albedo[i][channel]} * double{f};
+    guessed += weight * double{f};
+    once += weight * double{std::min(direct[i][channel], most * f)};
+    more += weight * double{both[i][channel] - direct[i][channel]};
   }
   if (!(guessed > 0)) return 0;
   const double passed = std::clamp(more / guessed, 0.0, 1.0);
@@ -118,12 +119,17 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   if (bounces < 1 || direct.empty()) return cache;
   // A guess is a guess inside of things, too, where no light comes.
   std::vector<Rgb> reached(guess.begin(), guess.end());
-  for (size_t i = 0; i < reached.size(); ++i) {
-    if (cache.silent(static_cast<int64_t>(i))) reached[i] = {};
+  std::vector<size_t> which;
+  for (size_t i = 0, lit = 0; i < reached.size(); ++i) {
+    if (cache.silent(static_cast<int64_t>(i))) {
+      reached[i] = {};
+    } else if (lit++ % kSampled == 0) {
+      which.push_back(i);
+    }
   }
   const IrradianceCache both = cache.relit(records, sum_of(direct, reached));
-  const CacheRecords some = picked(records);
-  const std::vector<Rgb> f = picked(reached);
+  const CacheRecords some = picked(records, which);
+  const std::vector<Rgb> f = picked(reached, which);
   const std::vector<Rgb> of_direct = gathered(both.answering(direct), 1, some);
   // Of one bounce, nothing is passed on.
   const std::vector<Rgb> of_both = bounces - rounds > 1 ? gathered(both, 1, some) : of_direct;

@@ -32,7 +32,7 @@ struct IrradianceOptions {
   bool by_group = true;
   /// Irradiance::group_variance is wanted too. It needs `variance` and `by_group`.
   bool group_variance = false;
-  bool last_bounce = false;  ///< Irradiance::last is wanted too
+  bool last_bounce = false;             ///< Irradiance::last is wanted too
   Sampling sampling = Sampling::Sobol;  ///< Random: to measure what stratification saves
 };
 

@@ -1,6 +1,9 @@
 // A guess of light gets its level from the scene: closed forms, and the path tracer's light.
 #include "lte/gi/network_light_level.h"
 
+#include <array>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
@@ -42,7 +45,11 @@ class EvenlyLitBox : public testing::Test {
     LevelOptions options;
     options.max_depth = max_depth;
     RecordLight light;
-    light.direct.assign(count, Rgb{kPi, kPi, kPi});
+    light.direct.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+      const bool inside = dot(records.position[i], records.normal[i]) < 0;
+      if (inside) light.direct[i] = {kPi, kPi, kPi};
+    }
     light.indirect.assign(count, Rgb{guess, 2 * guess, 0.5f * guess});
     return mean(level_network_light(bvh, lights, records, light, options),
                 std::vector<Vec3>{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.1f, 0.4f}},
@@ -91,6 +98,29 @@ TEST(NetworkLightLevel, AGuessOfThreeTimesTheLightIsMended) {
   }
   EXPECT_GT(known, records.size() / 3);
   EXPECT_NEAR(sum, expected, 0.15 * expected);
+}
+
+/// Modellers wind walls either way: the side of a record that light reaches may be any of the two.
+TEST(NetworkLightLevel, WallsMayBeWoundEitherWay) {
+  std::array<Rgb, 2> found;
+  for (const bool outwards : {false, true}) {
+    scene::Scene scene = test::furnished_room();
+    for (scene::Mesh& mesh : scene.meshes) {
+      if (!outwards || scene.materials[static_cast<size_t>(mesh.material)].emissive()) continue;
+      for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
+    }
+    const pathtrace::Bvh bvh(scene);
+    const pathtrace::Lights lights(scene);
+    const CacheRecords records = sample_records(bvh, 1000, 1);
+    RecordLight guess = estimate_records(bvh, lights, records, 256, 1, 2);
+    guess.indirect.assign(guess.direct.size(), Rgb{3, 3, 3});
+    LevelOptions options;
+    options.rays = 16;
+    found[outwards] = mean(level_network_light(bvh, lights, records, guess, options),
+                           std::vector<Vec3>{{2, 0, 0.6f}, {0, 1.5f, 2}, {4, 1, 1}},
+                           std::vector<Vec3>{{0, 1, 0}, {1, 0, 0}, {-1, 0, 0}});
+  }
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[1][c], found[0][c], 0.05f * found[0][c]);
 }
 
 /// Of two bounces nothing is left of the guess, and no light of more comes by rays that go on.
