@@ -21,7 +21,7 @@ cd "$(dirname "$0")/.."
 
 usage() { sed -n '2,18s/^# \{0,1\}//p' "$0"; }
 default=data/released fewer_scenes=() fewer_steps=() smaller_pictures=()
-first_scenes=600 session_steps=400
+first_scenes=600 session_steps=1600
 if [ "${1:-}" = --rehearse ]; then
   shift
   default=data/rehearsed
