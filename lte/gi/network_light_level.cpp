@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kSampled = 3;
 // Light in the housing of a lamp is many times what any guess of a room has there, and nobody sees
 // it: ratios beyond so many medians count as so many.
-constexpr float kOutlier = 10;
+constexpr float kOutlier = 4;
 
 // Reflections of the leveled guess. One level for a whole scene is wrong in the single rooms of
 // it, the less so the more often the scene itself has carried the light. At the usual depth of 5 a
@@ -63,8 +63,8 @@ float median(std::vector<std::pair<float, float>> value_and_weight) {
   return 0;
 }
 
-/// How bright the guess has to be in a channel, for light of so many bounces: Galerkin's projection
-/// upon it, in the product Σ area · albedo · a · b, in which a reflection by the scene is symmetric.
+/// How bright the guess has to be in a channel, for light of so many bounces. All that counts is
+/// weighed by area alone: weights that favor bright places speak of what is inside of lamps.
 /// @param both, direct  a reflection of direct light with the guess and without it, [records]
 float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::span<const Rgb> both,
                std::span<const Rgb> direct, int channel, int bounces) {
@@ -78,10 +78,10 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
   for (size_t i = 0; i < guess.size(); ++i) {
     const float f = guess[i][channel];
     if (!(f > 0)) continue;
-    const double weight = double{records.area[i]} * double{records.albedo[i][channel]} * double{f};
-    guessed += weight * double{f};
-    once += weight * double{std::min(direct[i][channel], most * f)};
-    more += weight * double{both[i][channel] - direct[i][channel]};
+    const double area{records.area[i]};
+    guessed += area * double{f};
+    once += area * double{std::min(direct[i][channel], most * f)};
+    more += area * double{both[i][channel] - direct[i][channel]};
   }
   if (!(guessed > 0)) return 0;
   const double passed = std::clamp(more / guessed, 0.0, 1.0);

@@ -27,10 +27,10 @@ struct LevelOptions {
 /// direct light and the guess, whose level is set beforehand.
 ///
 /// The level: let K be one reflection by the scene, D direct light and f the guess. Gathered rays
-/// at a part of the records measure κ = <f, K D> / <f, f> and λ = <f, K f> / <f, f>, where <a, b> =
-/// Σ area · albedo · a · b, for which K is self-adjoint: λ is Rayleigh's quotient. Light of n
-/// bounces is κ (1 + λ + ... + λ^(n-1)) f, by channel. In a closed room whose walls shine evenly
-/// the result is exact for any even guess.
+/// at a part of the records measure Σ K D and λ = Σ K f / Σ f, one step of the power method. Light
+/// of n bounces sums up to Σ K D (1 + λ + ... + λ^(n-1)), and f is scaled to that, by channel.
+/// What is in the housings of lamps counts little. In a closed room whose walls shine evenly the
+/// result is exact for any even guess.
 ///
 /// @param light  of the records: direct light, and the guess in the place of indirect light
 /// @return       the cache of direct light and what became of the guess
