@@ -77,6 +77,8 @@ class IrradianceCache {
   int64_t size() const { return index_.size(); }
   /// Whether a record says nothing, as no lit one leads to it along surfaces.
   bool silent(int64_t record) const { return records_[static_cast<size_t>(record)].silent; }
+  /// How much a record counts in the mean of those around a place, for how far one sees from it.
+  float share(int64_t record) const { return records_[static_cast<size_t>(record)].share; }
   /// Mean radius of the records, metres.
   float radius() const { return radius_; }
 

@@ -63,8 +63,8 @@ float median(std::vector<std::pair<float, float>> value_and_weight) {
   return 0;
 }
 
-/// How bright the guess has to be in a channel, for light of so many bounces. All that counts is
-/// weighed by area alone: weights that favor bright places speak of what is inside of lamps.
+/// How bright the guess has to be in a channel, for light of so many bounces. What counts is area:
+/// weights that favor bright places speak of the insides of lamps.
 /// @param both, direct  a reflection of direct light with the guess and without it, [records]
 float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::span<const Rgb> both,
                std::span<const Rgb> direct, int channel, int bounces) {
@@ -128,7 +128,10 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
     }
   }
   const IrradianceCache both = cache.relit(records, sum_of(direct, reached));
-  const CacheRecords some = picked(records, which);
+  CacheRecords some = picked(records, which);
+  // In gaps a network says too much, and few rays come there.
+  for (size_t k = 0; k < which.size(); ++k)
+    some.area[k] *= cache.share(static_cast<int64_t>(which[k]));
   const std::vector<Rgb> f = picked(reached, which);
   const std::vector<Rgb> of_direct = gathered(both.answering(direct), 1, some);
   // Of one bounce, nothing is passed on.
