@@ -39,7 +39,7 @@ namespace {
 // lists it in every cell that it speaks for.
 constexpr double kRecordBytes = 2048;
 // Estimates of a record and a light group, of as many as are made at once.
-constexpr double kEstimateBytes = 24, kMaxEstimates = 1 << 21;
+constexpr double kEstimateBytes = 36, kMaxEstimates = 1 << 21;
 // Records draw other numbers than pixels.
 constexpr uint64_t kPlaces = 21, kLight = 22;
 
