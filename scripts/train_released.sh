@@ -3,15 +3,17 @@
 #
 #   scripts/train_released.sh [--rehearse] MODEL [FOLDER]
 #
-# MODEL is lte, lte-base, lte-large or lte-radiance. FOLDER (data/released by default) takes the
-# data and the run. A run that was stopped goes on where it was when the same line is given again.
+# MODEL is lte, lte-paper, lte-base, lte-large or lte-radiance. FOLDER (data/released by default)
+# takes the data and the run. A run that was stopped goes on where it was when the same line is
+# given again.
 # At its end the model, its configuration, its log, its card and its provenance are in
 # FOLDER/release: figures on the shipped test homes and on test boxes, and of lte-radiance on glossy
-# rooms. Many hours of two cores; a quarter of an hour for lte-radiance. All but lte and lte-base
+# rooms. Many hours of two cores; a quarter of an hour for lte-radiance. lte-large and lte-radiance
 # start from the shipped lte-base. lte-large wants a GPU.
 #
 # lte makes its data, wild rooms, homes and boxes, beside its training, which begins with the first
-# 600 scenes. FOLDER/release then also has its curves, and its test tables on wild rooms and on
+# 600 scenes. lte-paper, the paper's network, learns from the same data, all there first.
+# FOLDER/release then also has their curves, and their test tables on wild rooms and on
 # assets/scenes/outside.
 #
 # --rehearse goes the whole way on 16 scenes of each kind and 8 steps, in minutes (FOLDER:
@@ -19,7 +21,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-usage() { sed -n '2,18s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,20s/^# \{0,1\}//p' "$0"; }
 default=data/released fewer_scenes=() fewer_steps=() smaller_pictures=()
 first_scenes=600 session_steps=1600
 if [ "${1:-}" = --rehearse ]; then
@@ -32,7 +34,7 @@ if [ "${1:-}" = --rehearse ]; then
     --set train.log_every=1)
 fi
 case ${1:-} in
-  lte | lte-base | lte-large | lte-radiance) ;;
+  lte | lte-paper | lte-base | lte-large | lte-radiance) ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac
@@ -110,9 +112,37 @@ all_steps_done() {
 }
 finished_scenes() { find "$folder/mixed/scenes" -name '*.safetensors' 2> /dev/null | wc -l; }
 
-if [ "$name" = lte ]; then
+# Of a model of the mixed data, once it is trained.
+evaluate_mixed() {
+  make_data wild_test wild_test
+  make_data boxes_test boxes_test
+  scripts/figures/learning_curves.py "$folder/$name" --out "$released.svg"
+  "$bin/lte_eval" --fit-baselines "$folder/lte_data" --out "$released.baselines.json"
+  local tests=() test data
+  for test in homes: boxes:boxes_test wild:wild_test; do
+    data=${test#*:}
+    "$bin/lte_eval" --checkpoint "$released.safetensors" ${data:+--data "$folder/$data"} \
+      --split test --json "$released.${test%%:*}.json"
+    tests+=(--test "${test%%:*}=$released.${test%%:*}.json")
+  done
+  "$bin/lte_eval" scenes assets/scenes/outside --checkpoint "$released.safetensors" \
+    --methods network,decoded,gather --json "$released.outside.json" "${smaller_pictures[@]}" |
+    tee "$released.outside.txt"
+  write_card "$folder/clean" "$folder/mixed" "${tests[@]}"
+}
+
+if [ "$name" = lte ] || [ "$name" = lte-paper ]; then
   fewer_scenes=("${fewer_scenes[@]/scenes=16/scenes=6}")  # as long as sixteen boxes take
   make_data clean mixed --seed 391001 --set scenes=48 --set rays=512 --set val_share=1
+fi
+if [ "$name" = lte-paper ]; then
+  make_data mixed mixed
+  join_what_is_there mixed
+  train lte_paper lte_data
+  evaluate_mixed
+  exit
+fi
+if [ "$name" = lte ]; then
   make_data mixed mixed --quiet &
   baker=$!
   trap 'kill "$baker" 2> /dev/null || true' EXIT
@@ -128,21 +158,7 @@ if [ "$name" = lte ]; then
   all_steps_done || wait "$baker" || echo "train_released.sh: goes on without some scenes" >&2
   join_what_is_there mixed
   train lte lte_data
-  make_data wild_test wild_test
-  make_data boxes_test boxes_test
-  "$bin/lte_train" report "$folder/lte" --out "$released.html"
-  "$bin/lte_eval" --fit-baselines "$folder/lte_data" --out "$released.baselines.json"
-  tests=()
-  for test in homes: boxes:boxes_test wild:wild_test; do
-    data=${test#*:}
-    "$bin/lte_eval" --checkpoint "$released.safetensors" ${data:+--data "$folder/$data"} \
-      --split test --json "$released.${test%%:*}.json"
-    tests+=(--test "${test%%:*}=$released.${test%%:*}.json")
-  done
-  "$bin/lte_eval" scenes assets/scenes/outside --checkpoint "$released.safetensors" \
-    --methods network,decoded,gather --json "$released.outside.json" "${smaller_pictures[@]}" |
-    tee "$released.outside.txt"
-  write_card "$folder/clean" "$folder/mixed" "${tests[@]}"
+  evaluate_mixed
   exit
 fi
 
