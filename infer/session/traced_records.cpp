@@ -66,7 +66,8 @@ TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
   options.last_bounce = raw;
   if (raw) out.last.resize(out.direct.size());
   const std::vector<Vec3>&start = out.places.start, &normal = out.places.start_normal;
-  std::vector<Rgb> direct(groups * start.size()), indirect(direct.size()), last(direct.size());
+  std::vector<Rgb> direct(groups * start.size()), indirect(direct.size());
+  std::vector<Rgb> last(raw ? direct.size() : 0);
   for (size_t first = 0; first < start.size(); first += kBlock) {
     if (check) check();
     const size_t size = std::min(kBlock, start.size() - first);
