@@ -341,10 +341,12 @@ std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
   }
   return std::make_shared<LazyCache>([from = records, now = edits, by = layers, held = scene,
                                       rays = bvh, lit = lights, settings = cache_settings(*base)] {
-    const gi::CacheRecords& places = from->traced.places;
-    gi::RecordLight light = from->light(*now);
-    light.indirect = sum_of(by, {places.position, places.normal, places.albedo});
-    return render::make_cache({*rays, *lit}, settings, places, light);
+    const auto asked = [&](std::span<const Vec3> positions, std::span<const Vec3> normals,
+                           std::span<const Rgb> albedos) {
+      return sum_of(by, {positions, normals, albedos});
+    };
+    return render::make_cache({*rays, *lit}, settings, from->traced.places, from->light(*now),
+                              asked);
   });
 }
 

@@ -204,6 +204,7 @@ RecordLight estimate_records(const pathtrace::Bvh& bvh, const pathtrace::Lights&
     GatherOptions options;
     options.rays = rays;
     options.max_depth = max_depth;
+    options.last = true;
     options.seed = seed;
     found = gather_irradiance(bvh, lights, IrradianceCache(bvh, {}, {}), records.start, normals,
                               options, 0, level);

@@ -116,7 +116,7 @@ class Gatherer : public pathtrace::LightSink {
               int64_t first_stream, std::span<Rgb> out, std::span<Rgb> met, std::span<Rgb> last) {
     sums_.assign(positions.size(), {});
     met_.assign(positions.size(), {});
-    last_.assign(positions.size(), {});
+    last_.assign(options_.last ? positions.size() : 0, {});
     aims_.clear();
     for (size_t i = 0; !bright_.empty() && i < positions.size(); ++i) {
       const bool first =
@@ -157,8 +157,8 @@ class Gatherer : public pathtrace::LightSink {
     for (size_t i = 0; i < out.size(); ++i) {
       out[i] = scaled(sums_[i], scale);
       met[i] = scaled(met_[i], scale);
-      last[i] = scaled(last_[i], scale);
     }
+    for (size_t i = 0; i < last.size(); ++i) last[i] = scaled(last_[i], scale);
   }
 
   void add(int depth, std::span<const pathtrace::Contribution> contributions) override {
@@ -168,7 +168,7 @@ class Gatherer : public pathtrace::LightSink {
       std::vector<Sum>& kind = depth == 1 && c.light_group != scene::kNone ? met_ : sums_;
       const size_t point = point_[static_cast<size_t>(c.path)];
       add_to(&kind[point], c.value);
-      if (depth == options_.max_depth && c.light_group != scene::kNone)
+      if (options_.last && depth == options_.max_depth && c.light_group != scene::kNone)
         add_to(&last_[point], c.value);
     }
   }
@@ -237,7 +237,7 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
   Gathered out;
   out.indirect.resize(positions.size());
   out.met.resize(positions.size());
-  out.last.resize(positions.size());
+  out.last.resize(options.last ? positions.size() : 0);
   if (lights.empty()) return out;
   std::atomic<int64_t> rays_traced{0}, lookups{0}, misses{0};
   // Whole blocks of paths, where points have few rays.
@@ -252,7 +252,7 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
     gatherer->gather(positions.subspan(first, count), normals.subspan(first, count), geometric,
                      numbers, first_index + begin, std::span(out.indirect).subspan(first, count),
                      std::span(out.met).subspan(first, count),
-                     std::span(out.last).subspan(first, count));
+                     options.last ? std::span(out.last).subspan(first, count) : std::span<Rgb>());
     rays_traced += gatherer->rays_traced();
     lookups += gatherer->counts().lookups;
     misses += gatherer->counts().misses;

@@ -27,6 +27,7 @@ struct GatherOptions {
   int max_depth = 5;
   /// Points that lie side by side, by number: rays of all are aimed as those of the first.
   int together = 1;
+  bool last = false;  ///< whether Gathered::last is wanted
   uint64_t seed = 0;
   /// [points] For point sets that go on over several calls. Empty: points draw by their number.
   std::span<const pathtrace::SampleNumber> numbers{};
@@ -37,8 +38,8 @@ struct Gathered {
   /// [points]: of direct light what the rays meet, by the balance heuristic against as many light
   /// samples (pathtrace::DirectOptions::hemisphere_elsewhere with a share of 1). Both sum up to it.
   std::vector<Rgb> met;
-  std::vector<Rgb> last;            ///< [points]: of `indirect`, what paths found at max_depth
-  int64_t rays_traced = 0;          ///< nearest and shadow rays
+  std::vector<Rgb> last;    ///< [points]: of `indirect`, what paths found at max_depth; or empty
+  int64_t rays_traced = 0;  ///< nearest and shadow rays
   int64_t lookups = 0, misses = 0;  ///< of the cache; a miss makes the path go on
 };
 

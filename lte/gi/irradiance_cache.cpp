@@ -53,11 +53,12 @@ IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& 
     radii.push_back(options.radius * std::sqrt(area));
     sum += radii.back();
   }
+  const auto places = std::make_shared<Places>();
   if (!radii.empty()) {
-    radius_ = static_cast<float>(sum / static_cast<double>(radii.size()));
-    index_ = SurfaceIndex(records.position, records.normal, radii, kCell);
-    index_.pack();
-    lamps_ = NearLamps(bvh.scene(), options.near_lamps * radius_);
+    places->radius = static_cast<float>(sum / static_cast<double>(radii.size()));
+    places->index = SurfaceIndex(records.position, records.normal, radii, kCell);
+    places->index.pack();
+    places->lamps = NearLamps(bvh.scene(), options.near_lamps * places->radius);
   }
   std::vector<Walls> around(records_.size());
   std::vector<uint8_t> has_walls(records_.size());
@@ -75,9 +76,10 @@ IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& 
     if (!direct.empty()) records_[i].direct = gray(direct[i]);
     if (!direct_variance.empty()) records_[i].noise = direct_variance[i];
     if (!has_walls[i]) continue;
-    records_[i].walls = static_cast<uint32_t>(walls_.size());
-    walls_.push_back(around[i]);
+    records_[i].walls = static_cast<uint32_t>(places->walls.size());
+    places->walls.push_back(around[i]);
   }
+  places_ = places;
   set_light(records, irradiance, shorter);
 }
 
@@ -128,7 +130,7 @@ void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb
 
 bool IrradianceCache::speaks(uint32_t record, const Vec3& offset) const {
   const Record& r = records_[record];
-  return !r.silent && (r.walls == kNone || !walls_[r.walls].hides(offset));
+  return !r.silent && (r.walls == kNone || !places_->walls[r.walls].hides(offset));
 }
 
 /// Records that paths have found no light at say so beside lit ones: without them the cache would
@@ -144,16 +146,18 @@ void IrradianceCache::silence_dark_sheets(const CacheRecords& records) {
   while (!open.empty()) {
     const uint32_t from = open.back();
     open.pop_back();
-    index_.for_each(records.position[from], records.normal[from],
-                    [&](uint32_t i, float, const Vec3& offset) {
-                      if (reached[i] || !speaks(i, offset) || !speaks(from, -offset)) return;
-                      reached[i] = 1;
-                      open.push_back(i);
-                    });
+    places_->index.for_each(records.position[from], records.normal[from],
+                            [&](uint32_t i, float, const Vec3& offset) {
+                              if (reached[i] || !speaks(i, offset) || !speaks(from, -offset))
+                                return;
+                              reached[i] = 1;
+                              open.push_back(i);
+                            });
   }
   for (uint32_t i = 0; i < records_.size(); ++i) {
     // What stands near a lamp knows light that ends there: it would carry it on.
-    records_[i].silent = !reached[i] || lamps_.above(records.position[i], records.normal[i]);
+    records_[i].silent =
+        !reached[i] || places_->lamps.above(records.position[i], records.normal[i]);
   }
 }
 
@@ -205,10 +209,10 @@ bool IrradianceCache::Walls::hides(const Vec3& offset) const {
 
 bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance,
                              int hit) const {
-  if (lamps_.above(position, normal)) return false;
+  if (places_->lamps.above(position, normal)) return false;
   Rgb sum;
   float weights = 0, shares = 0, total = 0, direct = 0, squares = 0, noise = 0;
-  index_.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
+  places_->index.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
     if (!speaks(i, offset)) return;
     const Record& record = records_[i];
     sum += (hit > 1 ? record.shorter : record.irradiance) * (weight * record.share);

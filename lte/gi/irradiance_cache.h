@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -55,7 +56,7 @@ class IrradianceCache {
                             const RecordLight& light);
 
   /// The same records and direct light with other light in all, for a fraction of what making a
-  /// cache takes.
+  /// cache takes. Both share what they know of the places.
   /// @param records  those that the cache was made of
   /// @param shorter  as above
   IrradianceCache relit(const CacheRecords& records, std::span<const Rgb> irradiance,
@@ -74,13 +75,13 @@ class IrradianceCache {
   /// Where rays that read the cache should be aimed.
   const BrightPlaces& bright_places() const { return bright_; }
 
-  int64_t size() const { return index_.size(); }
+  int64_t size() const { return static_cast<int64_t>(records_.size()); }
   /// Whether a record says nothing, as no lit one leads to it along surfaces.
   bool silent(int64_t record) const { return records_[static_cast<size_t>(record)].silent; }
   /// How much a record counts in the mean of those around a place, for how far one sees from it.
   float share(int64_t record) const { return records_[static_cast<size_t>(record)].share; }
   /// Mean radius of the records, metres.
-  float radius() const { return radius_; }
+  float radius() const { return places_->radius; }
 
  private:
   /// What stands on the surface around a record, by octant around its normal: a wall on a floor
@@ -104,6 +105,14 @@ class IrradianceCache {
   static bool find_walls(const pathtrace::Bvh& bvh, const Vec3& position, const Vec3& normal,
                          float radius, Walls* walls, float* open);
 
+  /// What caches of the same records with other light share.
+  struct Places {
+    NearLamps lamps;
+    SurfaceIndex index;
+    std::vector<Walls> walls;
+    float radius = 0;  ///< mean
+  };
+
   void set_light(const CacheRecords& records, std::span<const Rgb> irradiance,
                  std::span<const Rgb> shorter);
   bool speaks(uint32_t record, const Vec3& offset) const;
@@ -115,16 +124,13 @@ class IrradianceCache {
     float total = 0, direct = 0;  ///< sums over the channels, of all light and of direct light
     float noise = 0;              ///< variance of `direct`
     float share = 1;              ///< of what its weight would be in the open
-    uint32_t walls = kNone;       ///< index into walls_
+    uint32_t walls = kNone;       ///< index into Places::walls
     bool silent = false;          ///< says nothing
   };
+  std::shared_ptr<const Places> places_;
   BrightPlaces bright_;
-  NearLamps lamps_;
-  SurfaceIndex index_;
   std::vector<Record> records_;
-  std::vector<Walls> walls_;
   CacheOptions options_;
-  float radius_ = 0;      ///< mean
   float even_below_ = 0;  ///< CacheOptions::even_below of this light, W/m²
 };
 

@@ -1,6 +1,7 @@
 #include "lte/gi/network_light_level.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "lte/base/check.h"
@@ -51,6 +52,32 @@ std::vector<Rgb> picked(std::span<const Rgb> of_all, std::span<const size_t> whi
   return out;
 }
 
+/// The records that a cache knows to say something.
+std::vector<size_t> speaking(const IrradianceCache& cache) {
+  std::vector<size_t> out;
+  for (int64_t i = 0; i < cache.size(); ++i) {
+    if (!cache.silent(i)) out.push_back(static_cast<size_t>(i));
+  }
+  return out;
+}
+
+/// The guess at these records, and darkness at all others.
+std::vector<Rgb> guessed_at(const CacheRecords& records, std::span<const size_t> which,
+                            const IrradianceSource& guess) {
+  std::vector<Rgb> out(records.position.size());
+  if (which.empty()) return out;
+  std::vector<Vec3> position, normal;
+  for (const size_t i : which) {
+    position.push_back(records.position[i]);
+    normal.push_back(records.normal[i]);
+  }
+  const std::vector<Rgb> found = guess(position, normal, picked(records.albedo, which));
+  LTE_CHECK(found.size() == which.size(), "a guess of indirect light has ", found.size(),
+            " values for ", which.size(), " records");
+  for (size_t k = 0; k < which.size(); ++k) out[which[k]] = found[k];
+  return out;
+}
+
 /// The weighted median of values.
 float median(std::vector<std::pair<float, float>> value_and_weight) {
   std::sort(value_and_weight.begin(), value_and_weight.end());
@@ -94,10 +121,8 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
 
 IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                     const CacheRecords& records, const RecordLight& light,
-                                    const LevelOptions& options) {
-  const std::vector<Rgb>&direct = light.direct, &guess = light.indirect;
-  LTE_CHECK(guess.size() == direct.size(), "a guess of indirect light has ", guess.size(),
-            " values for ", direct.size(), " records");
+                                    const IrradianceSource& guess, const LevelOptions& options) {
+  const std::vector<Rgb>& direct = light.direct;
   GatherOptions gather;
   gather.rays = options.rays;
   gather.seed = options.seed;
@@ -118,15 +143,10 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   IrradianceCache cache(bvh, records, direct, direct, light.direct_variance, nothing);
   if (bounces < 1 || direct.empty()) return cache;
   // A guess is a guess inside of things, too, where no light comes.
-  std::vector<Rgb> reached(guess.begin(), guess.end());
+  const std::vector<size_t> lit = speaking(cache);
+  const std::vector<Rgb> reached = guessed_at(records, lit, guess);
   std::vector<size_t> which;
-  for (size_t i = 0, lit = 0; i < reached.size(); ++i) {
-    if (cache.silent(static_cast<int64_t>(i))) {
-      reached[i] = {};
-    } else if (lit++ % kSampled == 0) {
-      which.push_back(i);
-    }
-  }
+  for (size_t k = 0; k < lit.size(); k += kSampled) which.push_back(lit[k]);
   const IrradianceCache both = cache.relit(records, sum_of(direct, reached));
   CacheRecords some = picked(records, which);
   // In gaps a network says too much, and few rays come there.
@@ -150,7 +170,16 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
     gather.seed = hash_combine(options.seed, static_cast<uint64_t>(round));
     cache = cache.relit(records, total, shorter);
     shorter = std::move(total);
-    total = sum_of(direct, gathered(cache, guessed + round, records));
+    total = direct;
+    // Light may come to any by the first: what lies in its second shadow is not read.
+    std::vector<size_t> at(direct.size());
+    if (round == 0) {
+      std::iota(at.begin(), at.end(), size_t{0});
+    } else {
+      at = speaking(cache);
+    }
+    const std::vector<Rgb> found = gathered(cache, guessed + round, picked(records, at));
+    for (size_t k = 0; k < at.size(); ++k) total[at[k]] += found[k];
   }
   return cache.relit(records, total, shorter);
 }

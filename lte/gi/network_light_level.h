@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,14 +18,19 @@
 
 namespace lte::gi {
 
+/// Indirect irradiance in W/m² at places of the surfaces, [places], for records that are not
+/// traced: what a network says there.
+using IrradianceSource = std::function<std::vector<Rgb>(
+    std::span<const Vec3> positions, std::span<const Vec3> normals, std::span<const Rgb> albedos)>;
+
 struct LevelOptions {
   int rays = 4;       ///< a point of a record, of which it has up to kRecordPoints
   int max_depth = 5;  ///< surface hits of a path of light that a gather over the cache is to find
   uint64_t seed = 0;
 };
 
-/// Replaces the indirect light of records, a guess, by two gathers, one upon the other, over their
-/// direct light and the guess, whose level is set beforehand.
+/// Fills a cache by two gathers, one upon the other, over the direct light of records and a guess
+/// of the indirect one, whose level is set beforehand.
 ///
 /// The level: let K be one reflection by the scene, D direct light and f the guess. Gathered rays
 /// at a part of the records measure Σ K D and λ = Σ K f / Σ f, one step of the power method. Light
@@ -32,11 +38,13 @@ struct LevelOptions {
 /// What is in the housings of lamps counts little. In a closed room whose walls shine evenly the
 /// result is exact for any even guess.
 ///
-/// @param light  of the records: direct light, and the guess in the place of indirect light
-/// @return       the cache of direct light and what became of the guess
+/// @param direct  light of the records of depth 1
+/// @param guess   asked once, for those records that direct light reaches or that lie beside such
+///                along surfaces: two thirds of all are insides of walls and furniture
+/// @return        the cache of direct light and what became of the guess
 /// @throws lte::Error if sizes differ, a value is not finite, or a count is out of range.
 IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                    const CacheRecords& records, const RecordLight& light,
-                                    const LevelOptions& options);
+                                    const CacheRecords& records, const RecordLight& direct,
+                                    const IrradianceSource& guess, const LevelOptions& options);
 
 }  // namespace lte::gi

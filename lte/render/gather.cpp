@@ -85,20 +85,20 @@ gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& se
   if (!source && (lights.empty() || settings.max_depth < 2)) return {bvh, {}, {}};
   const gi::CacheRecords records = gi::sample_records(bvh, settings.records, places);
   const int depth = source ? 1 : settings.max_depth - 1;
-  gi::RecordLight light =
+  const gi::RecordLight light =
       gi::estimate_records(bvh, lights, records, settings.paths, depth,
                            source ? places : hash_combine(settings.seed, kLight));
-  if (!source) return gi::IrradianceCache::of(bvh, records, light);
-  light.indirect = source(records.position, records.normal, records.albedo);
-  return make_cache(scene, settings, records, light);
+  return source ? make_cache(scene, settings, records, light, source)
+                : gi::IrradianceCache::of(bvh, records, light);
 }
 
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
-                               const gi::CacheRecords& records, const gi::RecordLight& light) {
+                               const gi::CacheRecords& records, const gi::RecordLight& direct,
+                               const IrradianceSource& source) {
   gi::LevelOptions options;
   options.max_depth = settings.max_depth;
   options.seed = hash_combine(settings.seed, kLight);
-  return gi::level_network_light(scene.bvh, scene.lights, records, light, options);
+  return gi::level_network_light(scene.bvh, scene.lights, records, direct, source, options);
 }
 
 double cache_mb(const CacheSettings& settings, int64_t groups) {

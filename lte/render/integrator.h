@@ -18,6 +18,7 @@
 #include "lte/base/math.h"
 #include "lte/gi/gather.h"
 #include "lte/gi/irradiance_cache.h"
+#include "lte/gi/network_light_level.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 
@@ -75,10 +76,7 @@ class Integrator {
                                      const PointSampling& sampling) const = 0;
 };
 
-/// Indirect irradiance in W/m² at places of the surfaces, [points], for records that are not
-/// traced: what a network says there.
-using IrradianceSource = std::function<std::vector<Rgb>(
-    std::span<const Vec3> positions, std::span<const Vec3> normals, std::span<const Rgb> albedos)>;
+using gi::IrradianceSource;
 
 /// The irradiance cache that gathered rays read.
 struct CacheSettings {
@@ -95,10 +93,10 @@ double cache_mb(const CacheSettings& settings, int64_t groups);
 /// @param source  of indirect light at the records; none: paths trace it
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
                                const IrradianceSource& source = {});
-/// The same where the light of records is known: direct light, and what a network says of indirect
-/// light.
+/// The same where records and their direct light are known.
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
-                               const gi::CacheRecords& records, const gi::RecordLight& light);
+                               const gi::CacheRecords& records, const gi::RecordLight& direct,
+                               const IrradianceSource& source);
 
 /// Gather, or network where there is a source. What is borrowed must outlive it.
 std::unique_ptr<Integrator> make_gather(const TracedScene& scene, const CacheSettings& settings,

@@ -95,6 +95,7 @@ TEST_F(Furnace, LightOfTheLastBounceIsKnownApart) {
   GatherOptions options;
   options.rays = 1024;
   options.max_depth = 4;
+  options.last = true;
   const Gathered gathered =
       gather_irradiance(bvh, lights, IrradianceCache(bvh, {}, {}), positions_, normals_, options);
   pathtrace::IrradianceOptions paths;
