@@ -1,7 +1,6 @@
 #include "lte/gi/network_light_level.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "lte/base/check.h"
@@ -170,15 +169,13 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
     gather.seed = hash_combine(options.seed, static_cast<uint64_t>(round));
     cache = cache.relit(records, total, shorter);
     shorter = std::move(total);
-    total = direct;
-    // Light may come to any by the first: what lies in its second shadow is not read.
-    std::vector<size_t> at(direct.size());
-    if (round == 0) {
-      std::iota(at.begin(), at.end(), size_t{0});
-    } else {
-      at = speaking(cache);
+    if (round == 0) {  // by which light may come to any
+      total = sum_of(direct, gathered(cache, guessed, records));
+      continue;
     }
+    const std::vector<size_t> at = speaking(cache);
     const std::vector<Rgb> found = gathered(cache, guessed + round, picked(records, at));
+    total = direct;
     for (size_t k = 0; k < at.size(); ++k) total[at[k]] += found[k];
   }
   return cache.relit(records, total, shorter);
