@@ -58,7 +58,8 @@ LightTable LightTables::traced(const std::string& name, int paths) const {
 }
 
 gi::IrradianceCache LightTables::cache_of(const LightTable& table) const {
-  return gi::IrradianceCache::of(scene_.bvh, places_, table.light);
+  return gi::IrradianceCache::of(std::make_shared<const gi::CacheGeometry>(scene_.bvh, places_),
+                                 places_, table.light);
 }
 
 std::vector<LightTable> LightTables::make(const runtime::SceneEmbedding& embedding) const {

@@ -22,6 +22,12 @@ LightRecords::Gains LightRecords::gains(const SceneEdits& edits) const {
   return out;
 }
 
+std::shared_ptr<const gi::CacheGeometry> LightRecords::geometry(const SceneEdits& edits,
+                                                                const pathtrace::Bvh& bvh) const {
+  if (traced.geometry != nullptr && same_points(*drawn_for, edits)) return traced.geometry;
+  return std::make_shared<const gi::CacheGeometry>(bvh, traced.places);
+}
+
 gi::RecordLight LightRecords::light(const SceneEdits& edits) const {
   const Gains some = gains(edits);
   return traced.light_of(some.groups, some.scales);

@@ -24,6 +24,9 @@ struct LightRecords {
 
   /// Whether they hold for an edited scene: that differs from theirs by gains and colors alone.
   bool fit(const SceneEdits& edits, Method by) const;
+  /// What stands around the records in an edited scene: it is known where they fit.
+  std::shared_ptr<const gi::CacheGeometry> geometry(const SceneEdits& edits,
+                                                    const pathtrace::Bvh& bvh) const;
   /// The light on the records with the gains that luminaires of these numbers have in an edited
   /// scene. Those that the edited scene has not are dark; those that the records have not bring
   /// nothing.

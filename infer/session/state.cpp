@@ -336,7 +336,8 @@ std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
   // The BVH and the lights borrow the scene, and the cache may outlive this state.
   if (answered_by == Method::Gather) {
     return std::make_shared<LazyCache>([from = records, now = edits, held = scene, rays = bvh] {
-      return gi::IrradianceCache::of(*rays, from->traced.places, from->light(*now));
+      return gi::IrradianceCache::of(from->geometry(*now, *rays), from->traced.places,
+                                     from->light(*now));
     });
   }
   return std::make_shared<LazyCache>([from = records, now = edits, by = layers, held = scene,
@@ -345,8 +346,8 @@ std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
                            std::span<const Rgb> albedos) {
       return sum_of(by, {positions, normals, albedos});
     };
-    return render::make_cache({*rays, *lit}, settings, from->traced.places, from->light(*now),
-                              asked);
+    return render::make_cache({*rays, *lit}, settings, from->geometry(*now, *rays),
+                              from->traced.places, from->light(*now), asked);
   });
 }
 

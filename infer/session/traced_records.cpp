@@ -52,6 +52,7 @@ TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
   // A gather adds a bounce to the table's light, so light of depth 1 is all that none has.
   if (raw && (lights.empty() || settings.max_depth < 2)) return out;
   out.places = gi::sample_records(bvh, settings.records, places);
+  out.geometry = std::make_shared<const gi::CacheGeometry>(bvh, out.places);
   const auto count = static_cast<size_t>(out.places.size());
   const auto groups = static_cast<size_t>(out.groups);
   out.direct.resize(groups * count);

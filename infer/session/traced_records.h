@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "lte/gi/cache_geometry.h"
 #include "lte/gi/cache_records.h"
 #include "lte/render/integrator.h"
 
@@ -14,6 +16,7 @@ namespace lte::infer {
 
 struct TracedRecords {
   gi::CacheRecords places;
+  std::shared_ptr<const gi::CacheGeometry> geometry;  ///< of these places; null without any
   int64_t groups = 0;
   std::vector<Rgb> direct;    ///< [groups, records], W/m²: depth 1
   std::vector<Rgb> indirect;  ///< [groups, records]: depths from 2 on; 0 where none were traced

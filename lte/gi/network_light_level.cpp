@@ -119,6 +119,7 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
 }  // namespace
 
 IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                    std::shared_ptr<const CacheGeometry> geometry,
                                     const CacheRecords& records, const RecordLight& light,
                                     const IrradianceSource& guess, const LevelOptions& options) {
   const std::vector<Rgb>& direct = light.direct;
@@ -139,7 +140,7 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
                 .indirect);
   };
   const std::vector<Rgb> nothing(direct.size());
-  IrradianceCache cache(bvh, records, direct, direct, light.direct_variance, nothing);
+  IrradianceCache cache(geometry, records, direct, direct, light.direct_variance, nothing);
   if (bounces < 1 || direct.empty()) return cache;
   // A guess is a guess inside of things, too, where no light comes.
   const std::vector<size_t> lit = speaking(cache);
@@ -150,7 +151,7 @@ IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::
   CacheRecords some = picked(records, which);
   // In gaps a network says too much, and few rays come there.
   for (size_t k = 0; k < which.size(); ++k)
-    some.area[k] *= cache.share(static_cast<int64_t>(which[k]));
+    some.area[k] *= geometry->share(static_cast<uint32_t>(which[k]));
   const std::vector<Rgb> f = picked(reached, which);
   const std::vector<Rgb> of_direct = gathered(both.answering(direct), 1, some);
   // Of one bounce, nothing is passed on.

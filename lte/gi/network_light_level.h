@@ -7,10 +7,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/gi/cache_geometry.h"
 #include "lte/gi/cache_records.h"
 #include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
@@ -38,12 +40,14 @@ struct LevelOptions {
 /// What is in the housings of lamps counts little. In a closed room whose walls shine evenly the
 /// result is exact for any even guess.
 ///
+/// @param geometry  of the records
 /// @param direct  light of the records of depth 1
 /// @param guess   asked once, for those records that direct light reaches or that lie beside such
 ///                along surfaces: two thirds of all are insides of walls and furniture
 /// @return        the cache of direct light and what became of the guess
 /// @throws lte::Error if sizes differ, a value is not finite, or a count is out of range.
 IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                    std::shared_ptr<const CacheGeometry> geometry,
                                     const CacheRecords& records, const RecordLight& direct,
                                     const IrradianceSource& guess, const LevelOptions& options);
 

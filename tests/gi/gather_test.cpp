@@ -135,7 +135,7 @@ struct Room {
   IrradianceCache cache(int64_t count, int paths, int max_depth) const {
     const CacheRecords records = sample_records(bvh, count, 3);
     const RecordLight light = estimate_records(bvh, lights, records, paths, max_depth, 4);
-    return IrradianceCache::of(bvh, records, light);
+    return IrradianceCache::of(std::make_shared<const CacheGeometry>(bvh, records), records, light);
   }
 
   scene::Scene scene;

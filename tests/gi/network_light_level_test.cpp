@@ -37,6 +37,13 @@ IrradianceSource even(const Rgb& guess) {
   };
 }
 
+IrradianceCache leveled(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                        const CacheRecords& records, const RecordLight& direct,
+                        const IrradianceSource& guess, const LevelOptions& options) {
+  return level_network_light(bvh, lights, std::make_shared<const CacheGeometry>(bvh, records),
+                             records, direct, guess, options);
+}
+
 /// In a closed box of radiance 1 and albedo ρ, light of depth 1 to d is π Σ_{k<d} ρ^k.
 class EvenlyLitBox : public testing::Test {
  protected:
@@ -57,10 +64,10 @@ class EvenlyLitBox : public testing::Test {
       const bool inside = dot(records.position[i], records.normal[i]) < 0;
       if (inside) light.direct[i] = {kPi, kPi, kPi};
     }
-    return mean(level_network_light(bvh, lights, records, light,
-                                    even({guess, 2 * guess, 0.5f * guess}), options),
-                std::vector<Vec3>{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.1f, 0.4f}},
-                std::vector<Vec3>{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}});
+    return mean(
+        leveled(bvh, lights, records, light, even({guess, 2 * guess, 0.5f * guess}), options),
+        std::vector<Vec3>{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.1f, 0.4f}},
+        std::vector<Vec3>{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}});
   }
   scene::Scene scene_;
 };
@@ -99,8 +106,7 @@ TEST(NetworkLightLevel, AGuessOfThreeTimesTheLightIsMended) {
     asked += out.size();
     return out;
   };
-  const IrradianceCache mended =
-      level_network_light(bvh, lights, records, truth, guess, LevelOptions());
+  const IrradianceCache mended = leveled(bvh, lights, records, truth, guess, LevelOptions());
   EXPECT_LT(asked, records.position.size() * 2 / 3) << "insides of things are not asked for";
   const IrradianceCache right(bvh, records, truth.total(), truth.direct);
   double sum = 0, expected = 0;
@@ -133,10 +139,9 @@ TEST(NetworkLightLevel, WallsMayBeWoundEitherWay) {
     const RecordLight direct = estimate_records(bvh, lights, records, 256, 1, 2);
     LevelOptions options;
     options.rays = 64;
-    found[outwards] =
-        mean(level_network_light(bvh, lights, records, direct, even({3, 3, 3}), options),
-             std::vector<Vec3>{{2, 0, 0.6f}, {0, 1.5f, 2}, {4, 1, 1}},
-             std::vector<Vec3>{{0, 1, 0}, {1, 0, 0}, {-1, 0, 0}});
+    found[outwards] = mean(leveled(bvh, lights, records, direct, even({3, 3, 3}), options),
+                           std::vector<Vec3>{{2, 0, 0.6f}, {0, 1.5f, 2}, {4, 1, 1}},
+                           std::vector<Vec3>{{0, 1, 0}, {1, 0, 0}, {-1, 0, 0}});
   }
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[1][c], found[0][c], 0.05f * found[0][c]);
 }
@@ -152,8 +157,7 @@ TEST(NetworkLightLevel, OfFewBouncesLightIsTraced) {
     LevelOptions options;
     options.max_depth = depth;
     options.rays = 16;
-    const IrradianceCache found =
-        level_network_light(bvh, lights, records, truth, even({9, 9, 9}), options);
+    const IrradianceCache found = leveled(bvh, lights, records, truth, even({9, 9, 9}), options);
     const IrradianceCache right(bvh, records, truth.total(), truth.direct);
     double sum = 0, expected = 0;
     for (size_t i = 0; i < records.position.size(); ++i) {
@@ -175,7 +179,7 @@ TEST(NetworkLightLevel, AnotherNumberOfValuesIsRefused) {
   const CacheRecords records = sample_records(bvh, 100, 1);
   const RecordLight direct = estimate_records(bvh, lights, records, 4, 1, 2);
   const auto three = [](auto...) { return std::vector<Rgb>(3); };
-  EXPECT_THROW(level_network_light(bvh, lights, records, direct, three, LevelOptions()), Error);
+  EXPECT_THROW(leveled(bvh, lights, records, direct, three, LevelOptions()), Error);
 }
 
 }  // namespace

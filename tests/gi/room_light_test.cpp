@@ -54,7 +54,8 @@ struct View {
   std::vector<Rgb> gathered(uint64_t seed) const {
     const CacheRecords records = sample_records(bvh, 4096, seed);
     const RecordLight light = estimate_records(bvh, lights, records, 16, 4, seed);
-    const IrradianceCache cache = IrradianceCache::of(bvh, records, light);
+    const IrradianceCache cache =
+        IrradianceCache::of(std::make_shared<const CacheGeometry>(bvh, records), records, light);
     GatherOptions options;
     options.rays = 32;
     options.seed = seed;
@@ -136,7 +137,8 @@ TEST(RoomLight, BelowPlatesDoesNotDarkenTheFloorBesideThem) {
   const pathtrace::Lights lights(scene);
   const CacheRecords records = sample_records(bvh, 8192, 1);
   const RecordLight light = estimate_records(bvh, lights, records, 64, 4, 1);
-  const IrradianceCache cache = IrradianceCache::of(bvh, records, light);
+  const IrradianceCache cache =
+      IrradianceCache::of(std::make_shared<const CacheGeometry>(bvh, records), records, light);
   std::vector<Vec3> positions, normals;
   double found = 0;
   for (int i = 0; i < 400; ++i) {

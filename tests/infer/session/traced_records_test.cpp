@@ -1,9 +1,12 @@
 #include "infer/session/traced_records.h"
 
 #include <array>
+#include <memory>
 
 #include <gtest/gtest.h>
 
+#include "infer/session/light_records.h"
+#include "infer/session/scene_edits.h"
 #include "lte/base/check.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/scenes.h"
@@ -33,7 +36,7 @@ TEST(TracedRecords, AtGainOneTheyFillTheCacheThatPicturesRead) {
   const TracedRecords records =
       trace_records(lit.bvh, lit.lights, settings, render::Method::Gather);
   const gi::IrradianceCache mine =
-      gi::IrradianceCache::of(lit.bvh, records.places, records.light_of(kAll, kOne));
+      gi::IrradianceCache::of(records.geometry, records.places, records.light_of(kAll, kOne));
   const gi::IrradianceCache table = render::make_cache({lit.bvh, lit.lights}, settings);
   ASSERT_EQ(mine.size(), table.size());
   double a = 0, b = 0, late_a = 0, late_b = 0;
@@ -95,6 +98,22 @@ TEST(TracedRecords, ForANetworkTheyAreTheDirectLightOfAllPlaces) {
                              }),
                Error);
   EXPECT_EQ(calls, 1);
+}
+
+/// What stands around the records is found once while lamps are dimmed, and anew where a thing has
+/// been moved into their way.
+TEST(LightRecords, ShareTheirGeometryWhileNothingMoves) {
+  const Lit lit;
+  NextIds ids;
+  EditReport report;
+  SceneEdits edits = make_edits(lit.scene, &ids);
+  const LightRecords records =
+      trace_light_records(lit.bvh, lit.lights, std::make_shared<const SceneEdits>(edits),
+                          Method::Gather, {.records = 64}, {});
+  apply_edit(SetLight{0, 0.5, {}}, &edits, &ids, &report);
+  EXPECT_EQ(records.geometry(edits, lit.bvh).get(), records.traced.geometry.get());
+  apply_edit(MoveInstance{1, translation({0.2f, 0, 0})}, &edits, &ids, &report);
+  EXPECT_NE(records.geometry(edits, lit.bvh).get(), records.traced.geometry.get());
 }
 
 TEST(TracedRecords, WithoutLightThereAreNone) {
