@@ -148,7 +148,7 @@ def rivals(subject, data):
     check(gathered["mse"] < 0.5 * points["mse"], "and nearer than a network of seconds")
     draws = {row["draw"]: row for row in
              subject.run("sampling", "--data", data, "--checkpoint",
-                         MODELS / "lte-base.safetensors", "--candidates", 4096, "--points", 1024)}
+                         MODELS / "lte.safetensors", "--candidates", 4096, "--points", 1024)}
     check(len(draws) == 5 and draws["area"]["ratio"] == 1, "five draws are compared")
     check(all(abs(row["points"] - 1024) < 8 and 0.2 < row["ratio"] < 5 for row in draws.values()),
           "each has the points that were asked for, and a sane error")

@@ -70,7 +70,7 @@ for scene in home room cornell; do
   reference "$out/$scene.glb" "$out/${scene}_reference" --spp "$spp" --size "$size"
   for model in shipped trained; do
     checkpoint=$run/model.safetensors
-    [ $model = shipped ] && checkpoint=assets/models/lte-base.safetensors
+    [ $model = shipped ] && checkpoint=assets/models/lte.safetensors
     # Without correction by paths, so that the picture shows what the network knows.
     "$bin/lte_render" "$out/$scene.glb" --integrator network --checkpoint "$checkpoint" \
       --size "$size" --set "exposure=$exposure" --set correct=off \

@@ -3,25 +3,22 @@
 #
 #   scripts/train_released.sh [--rehearse] MODEL [FOLDER]
 #
-# MODEL is lte, lte-paper, lte-base, lte-large or lte-radiance. FOLDER (data/released by default)
-# takes the data and the run. A run that was stopped goes on where it was when the same line is
-# given again.
-# At its end the model, its configuration, its log, its card and its provenance are in
-# FOLDER/release: figures on the shipped test homes and on test boxes, and of lte-radiance on glossy
-# rooms. Many hours of two cores; a quarter of an hour for lte-radiance. lte-large and lte-radiance
-# start from the shipped lte-base. lte-large wants a GPU.
+# MODEL is lte, lte-paper or lte-radiance. FOLDER (data/released by default) takes the data and the
+# run. A run that was stopped goes on where it was when the same line is given again. At its end the
+# model, its configuration, its log, its card and its provenance are in FOLDER/release.
 #
 # lte makes its data, wild rooms, homes and boxes, beside its training, which begins with the first
-# 600 scenes. lte-paper, the paper's network, learns from the same data, all there first.
-# FOLDER/release then also has their curves, and their test tables on wild rooms and on
-# assets/scenes/outside.
+# 600 scenes: some eight hours of two cores. lte-paper, the paper's network, learns from the same
+# data, all there first. FOLDER/release then has their curves, too, and their errors on the shipped
+# homes, on boxes and wild rooms of other seeds and on assets/scenes/outside. lte-radiance starts
+# from the shipped lte and takes a quarter of an hour; its figures are of glossy rooms.
 #
-# --rehearse goes the whole way on 16 scenes of each kind and 8 steps, in minutes (FOLDER:
-# data/rehearsed): whether a machine has what the night will need.
+# --rehearse goes the whole way on a few scenes and 8 steps, in minutes (FOLDER: data/rehearsed):
+# whether a machine has what the night will need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-usage() { sed -n '2,20s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,17s/^# \{0,1\}//p' "$0"; }
 default=data/released fewer_scenes=() fewer_steps=() smaller_pictures=()
 first_scenes=600 session_steps=1600
 if [ "${1:-}" = --rehearse ]; then
@@ -34,14 +31,14 @@ if [ "${1:-}" = --rehearse ]; then
     --set train.log_every=1)
 fi
 case ${1:-} in
-  lte | lte-paper | lte-base | lte-large | lte-radiance) ;;
+  lte | lte-paper | lte-radiance) ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac
 name=$1 folder=${2:-$default}
 released=$folder/release/$name
 bin=${LTE_BIN:-build/bin}
-tools=(lte_datagen lte_train lte_eval lte_export)
+tools=(lte_datagen lte_train lte_eval)
 [ "$name" != lte-radiance ] || tools+=(experiment_directions)  # needs -DLTE_EXPERIMENTS=ON
 for tool in "${tools[@]}"; do
   if [ ! -x "$bin/$tool" ]; then
@@ -70,12 +67,7 @@ session() {
 train() {
   session "$@"
   mkdir -p "$folder/release"
-  if [ "$name" = lte-large ]; then  # half as large, to the third digit the same
-    "$bin/lte_export" --checkpoint "$folder/$name/model.safetensors" \
-      --out "$released.safetensors" --bf16
-  else
-    cp "$folder/$name/model.safetensors" "$released.safetensors"
-  fi
+  cp "$folder/$name/model.safetensors" "$released.safetensors"
   cp "$folder/$name/config.yaml" "$released.yaml"
   cp "$folder/$name/log.jsonl" "$released.log.jsonl"
 }
@@ -131,10 +123,8 @@ evaluate_mixed() {
   write_card "$folder/clean" "$folder/mixed" "${tests[@]}"
 }
 
-if [ "$name" = lte ] || [ "$name" = lte-paper ]; then
-  fewer_scenes=("${fewer_scenes[@]/scenes=16/scenes=6}")  # as long as sixteen boxes take
-  make_data clean mixed --seed 391001 --set scenes=48 --set rays=512 --set val_share=1
-fi
+fewer_scenes=("${fewer_scenes[@]/scenes=16/scenes=6}")  # as long as sixteen boxes take
+make_data clean mixed --seed 391001 --set scenes=48 --set rays=512 --set val_share=1
 if [ "$name" = lte-paper ]; then
   make_data mixed mixed
   join_what_is_there mixed
@@ -142,45 +132,19 @@ if [ "$name" = lte-paper ]; then
   evaluate_mixed
   exit
 fi
-if [ "$name" = lte ]; then
-  make_data mixed mixed --quiet &
-  baker=$!
-  trap 'kill "$baker" 2> /dev/null || true' EXIT
-  while kill -0 "$baker" 2> /dev/null && [ "$(finished_scenes)" -lt "$first_scenes" ]; do
-    sleep 5
-  done
-  while kill -0 "$baker" 2> /dev/null; do
-    join_what_is_there mixed
-    session lte lte_data --stop-after "$session_steps"
-    all_steps_done && break  # before all of the data are there
-  done
-  # Scenes that failed are left out, with a warning.
-  all_steps_done || wait "$baker" || echo "train_released.sh: goes on without some scenes" >&2
-  join_what_is_there mixed
-  train lte lte_data
-  evaluate_mixed
-  exit
-fi
-
-# Sets of more scene points lie apart from those that the others learn from.
-sets='' points=()
-if [ "$name" = lte-large ]; then
-  sets=large_ points=(--set scene_points=16384 --set light_paths=1)
-fi
-parts=()
-for part in boxes:boxes_many open:boxes_open sky:boxes_sky shut:boxes_shut homes:homes_many \
-  daylight:homes_daylight; do
-  make_data "$sets${part%%:*}" "${part##*:}" "${points[@]}"
-  parts+=("$folder/$sets${part%%:*}")
+make_data mixed mixed --quiet &
+baker=$!
+trap 'kill "$baker" 2> /dev/null || true' EXIT
+while kill -0 "$baker" 2> /dev/null && [ "$(finished_scenes)" -lt "$first_scenes" ]; do
+  sleep 5
 done
-make_data boxes_test boxes_test
-if [ ! -f "$folder/${sets}base/dataset.json" ]; then
-  rm -rf "$folder/${sets}base"
-  "$bin/lte_datagen" join "${parts[@]}" --out "$folder/${sets}base"
-fi
-train "${name//-/_}" "${sets}base"
-"$bin/lte_eval" --fit-baselines "$folder/${sets}base" --out "$released.baselines.json"
-"$bin/lte_eval" --checkpoint "$released.safetensors" --split test --json "$released.homes.json"
-"$bin/lte_eval" --checkpoint "$released.safetensors" --data "$folder/boxes_test" --split test \
-  --json "$released.boxes.json"
-write_card "${parts[@]}" --test "homes=$released.homes.json" --test "boxes=$released.boxes.json"
+while kill -0 "$baker" 2> /dev/null; do
+  join_what_is_there mixed
+  session lte lte_data --stop-after "$session_steps"
+  all_steps_done && break  # before all of the data are there
+done
+# Scenes that failed are left out, with a warning.
+all_steps_done || wait "$baker" || echo "train_released.sh: goes on without some scenes" >&2
+join_what_is_there mixed
+train lte lte_data
+evaluate_mixed

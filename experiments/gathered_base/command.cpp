@@ -64,7 +64,7 @@ void print(const Measured& measured) {
 void add_options(CLI::App& app, Request* r) {
   app.add_option("SCENE", r->scene, "Scene file")->required();
   add_scene_options(app, r);
-  app.add_option("--checkpoint", r->checkpoint, "Model that solves light; by default lte-base");
+  app.add_option("--checkpoint", r->checkpoint, "Model that solves light; by default lte");
   app.add_option("--points", r->queries.points, "Points over the surfaces that light reaches")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
@@ -102,7 +102,7 @@ void run(Request request) {
   Renderer renderer(scene);
   LTE_CHECK(renderer.has_light(), scene.name, ": nothing emits light");
   const runtime::Network network(request.checkpoint.empty()
-                                     ? asset_path("models/lte-base.safetensors", "--checkpoint")
+                                     ? asset_path("models/lte.safetensors", "--checkpoint")
                                      : std::filesystem::path(request.checkpoint));
   LTE_CHECK(network.config().solves_light(), "--checkpoint: the model solves no light");
   const render::TracedScene traced{renderer.bvh(), renderer.lights()};

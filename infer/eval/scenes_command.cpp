@@ -21,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 2> kShippedModels = {kDefaultModel,
-                                                       "models/lte-large.safetensors"};
 /// SSIM's window.
 constexpr int kMinSide = 11;
 
@@ -34,7 +32,7 @@ std::vector<std::string> words_of(const ScenesRequest& request) {
 std::vector<fs::path> checkpoints_of(const ScenesRequest& request) {
   std::vector<fs::path> out(request.checkpoints.begin(), request.checkpoints.end());
   if (!out.empty() || !asks_models(words_of(request))) return out;
-  for (const char* shipped : kShippedModels) out.push_back(asset_path(shipped, "--checkpoint"));
+  out.push_back(asset_path(kDefaultModel, "--checkpoint"));
   return out;
 }
 
@@ -103,9 +101,7 @@ CLI::App* add_scenes_command(CLI::App& app, ScenesRequest* r) {
                  kDefaultSceneMethods))
       ->delimiter(',')
       ->allow_extra_args(false);
-  command
-      ->add_option("--checkpoint", r->checkpoints,
-                   "A model, repeatable; by default lte-base and lte-large")
+  command->add_option("--checkpoint", r->checkpoints, "A model, repeatable; by default lte")
       ->allow_extra_args(false);
   command->add_option("--size", r->size, "Picture size")
       ->check(CLI::Validator(check_picture_size, "WxH"))

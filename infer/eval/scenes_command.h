@@ -13,7 +13,7 @@ namespace lte::infer {
 
 struct ScenesRequest {
   std::vector<std::string> places;       ///< files and folders
-  std::vector<std::string> checkpoints;  ///< empty: the shipped models
+  std::vector<std::string> checkpoints;  ///< empty: the shipped model
   std::vector<std::string> methods;      ///< empty: kDefaultSceneMethods
   std::string size = "192x144";
   std::string report, references;

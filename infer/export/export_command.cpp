@@ -28,7 +28,7 @@ std::filesystem::path checked_model(const ExportRequest& request) {
 
 void add_export_options(CLI::App& app, ExportRequest* request) {
   add_common_options(app, &request->common, /*with_json=*/false);
-  app.add_option("--checkpoint", request->model, "Model; by default lte-base");
+  app.add_option("--checkpoint", request->model, "Model; by default lte");
   app.add_option("--out", request->out, "TorchScript file, or model file, to write")->required();
   CLI::Option* portable =
       app.add_flag("--portable", request->portable,

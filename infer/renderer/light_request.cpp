@@ -19,7 +19,7 @@ void add_light_flags(CLI::App& app, const std::string& from, LightRequest* r) {
       ->capture_default_str();
   app.add_option("--checkpoint", r->checkpoint,
                  "Model, with --integrator network: a file, or a shipped one by name; by default "
-                 "lte-base");
+                 "lte");
   app.add_option("--seed", r->seed, "Seed of all samples")->capture_default_str();
 }
 

@@ -163,8 +163,7 @@ void add_view_options(CLI::App& app, ViewRequest* r) {
                  "soonest; network: they read the network's light there")
       ->check(CLI::IsMember({"gather", "network"}))
       ->capture_default_str();
-  app.add_option("--checkpoint", r->checkpoint,
-                 "Model, with --integrator network; by default lte-base");
+  app.add_option("--checkpoint", r->checkpoint, "Model, with --integrator network; by default lte");
   app.add_option("--host", r->host,
                  "Address to listen to: by default this machine alone; any other, such as 0.0.0.0, "
                  "asks pages for a token")

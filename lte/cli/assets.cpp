@@ -42,7 +42,8 @@ fs::path find_asset(const std::string& relative, std::string* looked) {
 }
 
 bool is_model_name(const std::string& text) {
-  return text.starts_with("lte-") && text.find_first_of("./") == std::string::npos;
+  return (text == "lte" || text.starts_with("lte-")) &&
+         text.find_first_of("./") == std::string::npos;
 }
 
 }  // namespace

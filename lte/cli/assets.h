@@ -16,7 +16,7 @@ namespace lte {
 std::filesystem::path asset_path(const std::string& relative, const std::string& instead);
 
 /// The model of every tool without --checkpoint.
-inline constexpr const char* kDefaultModel = "models/lte-base.safetensors";
+inline constexpr const char* kDefaultModel = "models/lte.safetensors";
 
 /// The file of a model: kDefaultModel where `checkpoint` is empty; the shipped NAME.safetensors
 /// for a NAME that begins with "lte-" and has neither dot nor slash; else `checkpoint`.

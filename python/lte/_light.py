@@ -34,7 +34,7 @@ def irradiance(scene: Scene, points: ArrayLike, normals: ArrayLike, *,
 
     Every call makes irradiance caches, a second or two, and many points take little longer than
     one. `spp` is rays a point, by default 256, of the integrator path 1024. `error` goes with path:
-    the relative standard error that it traces to. `model` goes with network, by default lte-base.
+    the relative standard error that it traces to. `model` goes with network, by default lte.
     """
     made = made_of(scene)
     if error is not None and integrator != "path":

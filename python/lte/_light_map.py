@@ -54,7 +54,7 @@ def bake(scene: Scene, *, texels_per_metre: float = 32, size: int | None = None,
 
     `size` is the edge of the picture, in the place of texels_per_metre. `time` is in seconds.
     `by_light` makes a layer of each lamp. `probes` are "auto" or "8x4x8", and are saved beside.
-    `model` goes with the integrator network, by default lte-base. `since` is a folder where a bake
+    `model` goes with the integrator network, by default lte. `since` is a folder where a bake
     with `keep_samples` was saved: its atlas is taken, and what differs by less than `change`.
     `progress` shows how far it is on standard error, with the notes of lte_bake.
     """

@@ -29,8 +29,8 @@ class Model:
 
     @staticmethod
     def load(path: Path | None = None, *, precision: Literal["fp32", "bf16"] = "fp32") -> Model:
-        """Reads a .safetensors, or a shipped model by its name, such as "lte-large"; by default
-        lte-base, which comes with the package.
+        """Reads a .safetensors, or a shipped model by its name, such as "lte-radiance"; by default
+        lte, which comes with the package.
 
         Raises lte.Error, which names the file, if it is missing, damaged, or no model.
         """

@@ -48,7 +48,7 @@ def render(scene: Scene, *, size: tuple[int, int] = (512, 512), camera: str | in
 
     `camera` is a Camera, or the name or number of one of the scene's, "auto", or a camera file; by
     default the scene's first, else the automatic one. `time` is in seconds. `spp` goes with the
-    integrator path, `model` with network, by default lte-base.
+    integrator path, `model` with network, by default lte.
     """
     made = made_of(scene)
     try:

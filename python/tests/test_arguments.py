@@ -191,7 +191,7 @@ def test_any_option_is_an_answer_or_one_sentence(room, options):
 NAMES = st.text(st.characters(exclude_categories=("Cc", "Cs")), max_size=9)
 ANYTHING = st.one_of(st.integers(-5, 9), st.floats(), st.none(), NAMES, NAMES.map(os.fsencode),
                      st.booleans(), st.integers(), st.lists(st.integers(), max_size=2),
-                     st.sampled_from(["auto", "lamp", "lte-large", "homes", b"", object()]))
+                     st.sampled_from(["auto", "lamp", "lte-radiance", "homes", b"", object()]))
 
 
 @settings(max_examples=int(os.environ.get("LTE_EXAMPLES", 200)), deadline=None)

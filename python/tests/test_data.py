@@ -142,7 +142,7 @@ def test_info_is_what_lte_info_prints(room_file, tmp_path):
     assert {key: json.loads(value) for key, value in
             (line.split(": ", 1) for line in said.splitlines())} == about
     assert about["version"] == lte.__version__ and about["threads"] >= 1
-    assert about["models"]["lte-base"].endswith("lte-base.safetensors") and about["denoiser"]
+    assert about["models"]["lte"].endswith("lte.safetensors") and about["denoiser"]
     assert ".glb" in about["scenes"] and "instruction_set" in about and "torch" in about
     subprocess.run([sys.executable, "-m", "lte", "info", room_file, "--json", tmp_path / "a.json"],
                    check=True, capture_output=True)

@@ -10,7 +10,7 @@ import pytest
 
 import lte
 
-LTE_BASE = lte.living_room.parents[1] / "models" / "lte-base.safetensors"
+NETWORK = lte.living_room.parents[1] / "models" / "lte.safetensors"
 UP = np.float32([[0, 1, 0]])
 
 
@@ -25,23 +25,23 @@ def embedding(model, room):
 
 
 def test_a_model_says_what_it_is(model, embedding, room):
-    assert model.name == "lte-base" and "lte-base" in repr(model)
+    assert model.name == "lte" and "lte" in repr(model)
     assert 3e6 < model.parameters < 4e6
     assert embedding.scene is room and embedding.scene_points >= 1024
     assert model.encode(room, scene_points=500).scene_points == 500
 
 
 def test_shipped_models_have_names(model, monkeypatch, tmp_path):
-    assert lte.Model.load("lte-base").parameters == model.parameters
+    assert lte.Model.load("lte").parameters == model.parameters
     monkeypatch.setenv("LTE_ASSETS", str(tmp_path))
     with pytest.raises(lte.Error) as caught:
-        lte.Model.load("lte-large")
+        lte.Model.load("lte-radiance")
     said = str(caught.value)
-    assert "lte-large: no model of that name in" in said and "\n" not in said
-    assert "Debian package lte-models" in said and "lte-large.safetensors" in said
+    assert "lte-radiance: no model of that name in" in said and "\n" not in said
+    assert "Debian package lte-models" in said and "lte-radiance.safetensors" in said
     (tmp_path / "models").mkdir()
-    (tmp_path / "models" / "lte-large.safetensors").symlink_to(LTE_BASE)
-    assert lte.Model.load("lte-large").parameters == model.parameters
+    (tmp_path / "models" / "lte-radiance.safetensors").symlink_to(NETWORK)
+    assert lte.Model.load("lte-radiance").parameters == model.parameters
 
 
 def test_direct_light_is_added(embedding, room, points):
@@ -83,7 +83,7 @@ def test_an_answer_with_its_error_is_the_answer(embedding, points):
 
 def test_a_picture_is_the_file_of_lte_render(model, room, room_file, tmp_path, tool):
     tool("lte_render", room_file, "--size", "40x24", "--camera", "auto", "--integrator", "network",
-         "--checkpoint", LTE_BASE, "--quality", "preview", "--set", "denoise=off", "--out",
+         "--checkpoint", NETWORK, "--quality", "preview", "--set", "denoise=off", "--out",
          tmp_path / "tool.exr")
     options = {"size": (40, 24), "camera": "auto", "integrator": "network", "quality": "preview",
                "denoise": False}
@@ -103,7 +103,7 @@ def test_light_at_points_is_that_of_lte_probe(room, room_file, points, tmp_path,
         rows.writerow("px py pz nx ny nz".split())
         rows.writerows([f"{v:.9g}" for v in row] for row in np.hstack(points))
     tool("lte_probe", room_file, "--points", tmp_path / "points.csv", "--out", tmp_path / "out.csv",
-         "--integrator", "network", "--checkpoint", LTE_BASE, "--spp", 64)
+         "--integrator", "network", "--checkpoint", NETWORK, "--spp", 64)
     with open(tmp_path / "out.csv", newline="") as file:
         table = list(csv.DictReader(file))
     light = lte.irradiance(room, *points, integrator="network", spp=64)
@@ -115,7 +115,7 @@ def test_light_at_points_is_that_of_lte_probe(room, room_file, points, tmp_path,
 @pytest.mark.skipif(not hasattr(lte._lte, "bake"), reason="built without xatlas")
 def test_a_light_map_is_the_file_of_lte_bake(room, room_file, tmp_path, tool):
     tool("lte_bake", room_file, "--texels-per-metre", 3, "--quality", "draft", "--integrator",
-         "network", "--checkpoint", LTE_BASE, "--out", tmp_path / "tool")
+         "network", "--checkpoint", NETWORK, "--out", tmp_path / "tool")
     baked = lte.bake(room, texels_per_metre=3, quality="draft", integrator="network")
     baked.save(tmp_path / "python")
     assert (tmp_path / "python" / "lightmap.exr").read_bytes() == (
@@ -179,7 +179,7 @@ def test_a_dark_scene_is_encoded(model, tmp_path):
 
 
 def test_files_that_are_no_models_are_named(tmp_path):
-    weights = LTE_BASE.read_bytes()
+    weights = NETWORK.read_bytes()
     (tmp_path / "empty.safetensors").write_bytes(b"")
     (tmp_path / "short.safetensors").write_bytes(weights[:200000])
     (tmp_path / "damaged.safetensors").write_bytes(weights[:-8] + bytes(8))
@@ -201,7 +201,7 @@ def test_files_that_are_no_models_are_named(tmp_path):
     (lambda room, made: lte.Model.load().encode(room, seed=-1), "seed: expected 0 to"),
     (lambda room, made: lte.render(room, size=(8, 8), model=lte.Model.load()),
      'model goes with integrator="network"'),
-    (lambda room, made: lte.render(room, size=(8, 8), integrator="network", model="lte-base"),
+    (lambda room, made: lte.render(room, size=(8, 8), integrator="network", model="lte"),
      "model: expected lte.Model, got str"),
     (lambda room, made: lte.irradiance(room, [], [], integrator="network", error=.1), "error goes"),
     (lambda room, made: made.irradiance(np.zeros((5, 2)), UP), "points: expected [N, 3], got"),

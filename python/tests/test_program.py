@@ -42,7 +42,7 @@ def test_the_network_is_that_of_the_package(room_file, tmp_path):
     words = ["render", room_file, "--integrator", "network", "--size", "16x12", "--quality",
              "draft", "--quiet"]
     assert run(*words, "--out", tmp_path / "a.exr").returncode == 0
-    assert run(*words, "--checkpoint", lte.living_room.parents[1] / "models/lte-base.safetensors",
+    assert run(*words, "--checkpoint", lte.living_room.parents[1] / "models/lte.safetensors",
                "--out", tmp_path / "b.exr").returncode == 0
     assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
 

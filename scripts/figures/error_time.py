@@ -2,7 +2,7 @@
 """Draws error against time of the methods of `lte_eval scenes`, and prints what each is worth.
 
   lte_eval scenes assets/scenes/outside --size 128x96 --json outside.json
-  scripts/figures/error_time.py outside.json --only '.*lte-base|gather.*|paths.*' \\
+  scripts/figures/error_time.py outside.json --only '.*lte|gather.*|paths.*' \\
       --out docs/images/error_time.svg
 
 A dot is a method: median processor seconds of a picture, and the geometric mean over the scenes of

@@ -245,7 +245,7 @@ void MatrixProduct(benchmark::State& state, bool aten) {  // what the machine ca
 BENCHMARK_CAPTURE(MatrixProduct, lte, false)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(MatrixProduct, aten, true)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-/// One patch of 1,024 points, three heads of 16 channels, as in the finest stage of lte-base, forth
+/// One patch of 1,024 points, three heads of 16 channels, as in the finest stage of lte, forth
 /// and back.
 enum class Attention : uint8_t { Aten, Single, Bf16 };
 
@@ -279,7 +279,7 @@ BENCHMARK_CAPTURE(TrainPatchAttention, aten, Attention::Aten)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// The decoder of lte-base with weights that mean nothing.
+/// The decoder of lte with weights that mean nothing.
 DecoderWeights random_decoder(int64_t channels, bool bf16) {
   const auto leaf = [](const at::Tensor& t) { return t.clone().requires_grad_(); };
   const auto linear = [&](int64_t in, int64_t out, bool round) {

@@ -15,7 +15,7 @@ cmake --build "$scratch/build" >/dev/null
 "$scratch/prefix/bin/lte_train" --version
 
 example=$source/../../examples/c
-model=$scratch/prefix/share/lte/assets/models/lte-base.safetensors
+model=$scratch/prefix/share/lte/assets/models/lte.safetensors
 cmake -S "$example" -B "$scratch/example" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$scratch/prefix" >/dev/null
 cmake --build "$scratch/example" >/dev/null
 "$scratch/example/render_room" "$model" "$scratch/cmake.ppm" "$scratch/cmake.pfm" 32 24
@@ -38,9 +38,9 @@ done
 "$bin/lte_train" --config configs/train/demo.yaml --dry-run >/dev/null
 "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --out "$scratch/cornell.png"
 # The model that the tool takes by itself is the installed one: without it that is what is missed.
-echo damaged >assets/models/lte-base.safetensors
+echo damaged >assets/models/lte.safetensors
 if "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --integrator network \
     --out "$scratch/none.png" 2>"$scratch/said"; then
   echo "install: lte_render does not read the installed model"; exit 1
 fi
-grep -q "$scratch/prefix/share/lte/assets/models/lte-base.safetensors" "$scratch/said"
+grep -q "$scratch/prefix/share/lte/assets/models/lte.safetensors" "$scratch/said"

@@ -50,7 +50,7 @@ class TorchscriptExample : public testing::Test {
 
 TEST_F(TorchscriptExample, TheShippedModelAgreesWithRadiosity) {
   const Answers found =
-      answers_of(LTE_BINARY_DIR "/bin/room_light", folder_.path(), exported("lte-base"));
+      answers_of(LTE_BINARY_DIR "/bin/room_light", folder_.path(), exported("lte"));
   ASSERT_EQ(found.size(), 3u);
   for (const auto& [place, row] : found) {
     for (size_t c = 0; c < 3; ++c)
@@ -75,7 +75,7 @@ TEST_F(TorchscriptExample, PythonGivesTheAnswersOfCpp) {
   if (std::system((python + " -c 'import torch' 2>/dev/null").c_str()) != 0)
     GTEST_SKIP() << python << " has no PyTorch";
   // Without light, with solved light, and with radiance and gloss.
-  for (const char* name : {"lte-demo", "lte-base", "lte-radiance"}) {
+  for (const char* name : {"lte-demo", "lte", "lte-radiance"}) {
     const std::string model = exported(name);
     const Answers cpp = answers_of(LTE_BINARY_DIR "/bin/room_light", folder_.path(), model),
                   py = answers_of(python + " examples/torchscript/room_light.py", folder_.path(),

@@ -53,7 +53,7 @@ class SolvedExport : public testing::TestWithParam<bool> {
 };
 
 TEST_P(SolvedExport, AnswersInASceneAsTheToolsDo) {
-  const char* const model = "assets/models/lte-base.safetensors";
+  const char* const model = "assets/models/lte.safetensors";
   const scene::Scene scene = scene::load_scene("assets/scenes/cornell_box.glb");
   const pathtrace::Bvh bvh(scene);
   const runtime::Network network(model, {.precision = runtime::Precision::Fp32});
@@ -84,7 +84,7 @@ TEST_P(SolvedExport, AnswersInASceneAsTheToolsDo) {
 }
 
 TEST_P(SolvedExport, SolvesWhatTheOperatorSolves) {
-  torch::jit::Module module = exported("assets/models/lte-base.safetensors");
+  torch::jit::Module module = exported("assets/models/lte.safetensors");
   for (const int64_t count : {1, 2, 40, 2500}) {
     const nn::PointSet p = nn::synthetic_room(count, 7);
     const at::Tensor expected =
@@ -99,7 +99,7 @@ TEST_P(SolvedExport, SolvesWhatTheOperatorSolves) {
 }
 
 TEST_P(SolvedExport, LightOfNoKindIsDarkness) {
-  torch::jit::Module module = exported("assets/models/lte-base.safetensors");
+  torch::jit::Module module = exported("assets/models/lte.safetensors");
   nn::PointSet p = nn::synthetic_room(600, 8);
   p.emission.zero_();
   const at::Tensor rows =
@@ -109,7 +109,7 @@ TEST_P(SolvedExport, LightOfNoKindIsDarkness) {
 }
 
 TEST_P(SolvedExport, SaysWhichColumnsItTakes) {
-  torch::jit::Module module = exported("assets/models/lte-base.safetensors");
+  torch::jit::Module module = exported("assets/models/lte.safetensors");
   const std::string error = test::message_of([&] {
     answer(module, at::rand({50, 14}), at::rand({5, 9}));
   });

@@ -100,7 +100,7 @@ FitCommand::FitCommand(CLI::App& app, CommonOptions* common)
   FitOptions* o = options_.get();
   fit->add_option("SCENE", o->scene, "Scene: .gltf, .glb, .pbrt, .obj or .ply")->required();
   fit->add_option("--out", o->out, "Embedding to write")->required();
-  fit->add_option("--checkpoint", o->model, "Model; by default lte-base");
+  fit->add_option("--checkpoint", o->model, "Model; by default lte");
   fit->add_option("--embedding", o->start, "Begin with this embedding of an earlier fit");
   fit->add_option("--time", o->time, "Time of paths and learning: 90s, 500ms")
       ->check(a_time())

@@ -33,7 +33,7 @@ struct SceneModel {
 };
 
 struct SceneMethod {
-  std::string name;  ///< "network lte-base", "gather-draft", "paths-16"
+  std::string name;  ///< "network lte", "gather-draft", "paths-16"
   SceneMethodKind kind = SceneMethodKind::Paths;
   int paths = 0;                       ///< a pixel, of path tracing
   Quality quality = Quality::Preview;  ///< of rays

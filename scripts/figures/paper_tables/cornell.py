@@ -93,7 +93,7 @@ def cornell(run):
         count = tessellated(run.root / BOX, run.root / scene, n)
         label = f"network-{count}"
         path, found = picture(run, label, scene, "--integrator", "network", "--checkpoint",
-                              "assets/models/lte-base.safetensors")
+                              "assets/models/lte.safetensors")
         score = run.tool(f"score-{count}", "lte_eval", "pictures", path, "--reference", reference)
         row = {"triangles": count, "relmse": score[0]["relmse"],
                "flip": score[0]["flip"], "cpu": run.cpu_seconds(label),

@@ -99,7 +99,7 @@ def measure(run, sample):
         for method, spp in (("path", run.size(4096, 1024)), ("network", 256), ("gather", 256)):
             label = f"{scene.stem}-{method}"
             out = run.root / run.folder(label + ".csv")
-            words = ["--checkpoint", "assets/models/lte-base.safetensors"] \
+            words = ["--checkpoint", "assets/models/lte.safetensors"] \
                 if method == "network" else []
             run.tool(label, "lte_probe", scene.relative_to(run.root), "--points",
                      points.relative_to(run.root), "--out", out.relative_to(run.root),

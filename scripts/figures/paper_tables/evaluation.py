@@ -15,7 +15,7 @@ METHODS = (("network, decoded", "neural"), ("start without network", "light_cach
 CLEAN = ("--denoise-references",)  # of 512 paths a pixel, whose noise would rule SSIM
 
 
-def evaluated(run, label, data, checkpoint="lte-base", flags=()):
+def evaluated(run, label, data, checkpoint="lte", flags=()):
     """Errors of all methods on a data set, in pictures, a row each."""
     result = run.tool(f"{label}-eval", "lte_eval", "--checkpoint",
                       f"assets/models/{checkpoint}.safetensors", "--data", data, "--split", "test",

@@ -16,7 +16,7 @@ scripts/figures/paper.py all                # within a day of two cores
 ```
 
 **What differs.** The paper trained 42 M parameters on 13,900 scenes for a week of four GPUs. Here
-networks are lte-base (3.2 M parameters, light solved on its scene points) or were trained for
+networks are lte-base (the model before lte; light solved on its scene points) or were trained for
 minutes at width 32, with its stages; the paper's have a sixth more error after as many steps
 ([why](lab/learning.md#choices-in-the-network)). MSE is over the mean emission: not errors compare
 with the paper's, but the order of rows. *Quick*: by `--quick`, few scenes, short trainings; ± is

@@ -7,7 +7,7 @@ from .evaluation import homes
 from .words import digits, mean_of
 
 METHODS = (("network", ("--integrator", "network", "--checkpoint",
-                        "assets/models/lte-base.safetensors")),
+                        "assets/models/lte.safetensors")),
            ("64 paths", ("--integrator", "path", "--spp", 64, "--set", "denoise=off")),
            ("64 paths, denoised", ("--integrator", "path", "--spp", 64)))
 

@@ -28,14 +28,14 @@ def table1(run):
     found = evaluated(run, "homes", data, flags=CLEAN)
     elsewhere = {row["method"]: row for row in evaluated(run, "outside", rooms, flags=CLEAN)}
     found = [row | outside_columns(elsewhere[row["method"]]) for row in found]
-    found[0]["training"] = "13,000 rooms, 26 h"  # by the card of lte-base
+    found[0]["training"] = "6,000 rooms, 13 h"  # by the card of lte
     return [without_noise(row, found[0]["noise"]) for row in found + rivals(run, data, rooms)]
 
 
 def sampling(run):
-    """Of homes, what points drawn in one way or another are worth to lte-base."""
+    """Of homes, what points drawn in one way or another are worth to lte."""
     return run.tool("sampling", "experiment_paper", "sampling", "--data", homes(run),
-                    "--checkpoint", "assets/models/lte-base.safetensors", "--candidates",
+                    "--checkpoint", "assets/models/lte.safetensors", "--candidates",
                     run.size(65_536, 32_768), "--threads", 1)
 
 
@@ -137,7 +137,7 @@ def edited_rooms(run):
 def teaser(run):
     rows = []
     for name, words in (("network", ["--integrator", "network", "--checkpoint",
-                                     "assets/models/lte-base.safetensors", "--quality",
+                                     "assets/models/lte.safetensors", "--quality",
                                      run.size("preview", "draft")]),
                         ("paths", ["--integrator", "path", "--spp", run.size(64, 4)])):
         picture = run.folder(f"{name}.png")

@@ -158,18 +158,6 @@ TEST(DatagenConfig, FormerNamesAreRead) {
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test"))), to_yaml(boxes));
 }
 
-TEST(DatagenConfig, WhatOneModelLearnsFromCanBeJoined) {
-  const DatagenConfig boxes = shipped("boxes_many"), homes = shipped("homes_many");
-  for (const DatagenConfig& other : {boxes, shipped("boxes_open"), shipped("boxes_sky"),
-                                     shipped("boxes_shut"), shipped("homes_daylight")}) {
-    EXPECT_EQ(other.scale, homes.scale);
-    EXPECT_EQ(other.bake.prune, homes.bake.prune);
-    EXPECT_EQ(other.bake.light_paths, homes.bake.light_paths);
-    EXPECT_EQ(other.bake.max_depth, homes.bake.max_depth);
-    EXPECT_NE(other.seed, homes.seed);
-  }
-}
-
 TEST(DatagenConfig, PaperHasThePapersCounts) {
   const DatagenConfig paper = shipped("paper");
   EXPECT_EQ(paper.generator, GeneratorKind::Homes);

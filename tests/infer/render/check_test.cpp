@@ -23,7 +23,7 @@ constexpr const char* kShipped = LTE_SOURCE_DIR "/assets";
 
 /// The shipped model with the last layer of its decoder times `factor`.
 void write_scaled_model(const std::string& path, float factor) {
-  const SafetensorsFile shipped(std::string(kShipped) + "/models/lte-base.safetensors");
+  const SafetensorsFile shipped(std::string(kShipped) + "/models/lte.safetensors");
   SafetensorsWriter out;
   for (const auto& [key, value] : shipped.metadata()) {
     if (key != kChecksumKey) out.set_metadata(key, value);
@@ -56,7 +56,7 @@ class CheckedPictures : public Tools {
 
 TEST_F(CheckedPictures, AModelThatIsMadeWrongIsSaidAndTheShippedOneIsNot) {
   const std::string wrong = at("wrong.safetensors");
-  write_scaled_model(wrong, -4.0f);
+  write_scaled_model(wrong, -64.0f);
   const Outcome said = living_room("--integrator network --checkpoint " + wrong);
   ASSERT_EQ(said.code, 0) << said.text;
   EXPECT_THAT(said.text, AllOf(HasSubstr("warning"),

@@ -125,7 +125,7 @@ TEST(Accuracy, ADraftByTheShippedModelIsNearAFreshSession) {
   scene::Scene room = scene::load_scene(LTE_SOURCE_DIR "/assets/scenes/living_room.glb");
   const Points points(room);
   Session session(std::move(room),
-                  runtime::Network(LTE_SOURCE_DIR "/assets/models/lte-base.safetensors"));
+                  runtime::Network(LTE_SOURCE_DIR "/assets/models/lte.safetensors"));
   session.separate();
   std::vector<Edit> edits = {SetLight{0, 0.5, {}}};
   for (const InstanceInfo& info : session.state()->instances()) {

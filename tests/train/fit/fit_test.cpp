@@ -22,8 +22,8 @@
 namespace lte::train {
 namespace {
 
-constexpr const char* kModel = "assets/models/lte-base.safetensors";
-constexpr const char* kOther = "assets/models/lte-large.safetensors";
+constexpr const char* kModel = "assets/models/lte.safetensors";
+constexpr const char* kOther = "assets/models/lte-demo.safetensors";
 
 embed::EmbedSettings few_points() {
   embed::EmbedSettings settings;
