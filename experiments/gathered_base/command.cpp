@@ -101,9 +101,7 @@ void run(Request request) {
   const scene::Scene scene = load_source(request);
   Renderer renderer(scene);
   LTE_CHECK(renderer.has_light(), scene.name, ": nothing emits light");
-  const runtime::Network network(request.checkpoint.empty()
-                                     ? asset_path("models/lte.safetensors", "--checkpoint")
-                                     : std::filesystem::path(request.checkpoint));
+  const runtime::Network network(checkpoint_or_shipped(request.checkpoint));
   LTE_CHECK(network.config().solves_light(), "--checkpoint: the model solves no light");
   const render::TracedScene traced{renderer.bvh(), renderer.lights()};
   const Queries queries = make_queries(traced, request.queries, request.references);

@@ -1,6 +1,7 @@
 #include "experiments/gathered_base/light_tables.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "lte/base/check.h"

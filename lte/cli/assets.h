@@ -19,7 +19,7 @@ std::filesystem::path asset_path(const std::string& relative, const std::string&
 inline constexpr const char* kDefaultModel = "models/lte.safetensors";
 
 /// The file of a model: kDefaultModel where `checkpoint` is empty; the shipped NAME.safetensors
-/// for a NAME that begins with "lte-" and has neither dot nor slash; else `checkpoint`.
+/// for a NAME that is "lte" or begins with "lte-" and has neither dot nor slash; else `checkpoint`.
 /// @throws lte::Error for a name of which there is no file, which says where one is to be had.
 std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint);
 

@@ -63,13 +63,13 @@ class IrradianceCache {
   int64_t size() const { return static_cast<int64_t>(records_.size()); }
   /// Whether a record says nothing, as no lit one leads to it along surfaces.
   bool silent(int64_t record) const { return records_[static_cast<size_t>(record)].silent; }
-  const std::shared_ptr<const CacheGeometry>& geometry() const { return geometry_; }
   /// Mean radius of the records, metres.
   float radius() const { return geometry_->radius(); }
 
  private:
   void set_light(const CacheRecords& records, std::span<const Rgb> irradiance,
                  std::span<const Rgb> shorter);
+
   struct Record {
     Rgb irradiance;
     Rgb shorter;                  ///< without the light of its last bounce

@@ -2,6 +2,7 @@
 #include "lte/gi/network_light_level.h"
 
 #include <array>
+#include <memory>
 #include <utility>
 
 #include <gtest/gtest.h>

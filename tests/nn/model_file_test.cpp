@@ -110,9 +110,10 @@ TEST_F(ModelFile, RefusesWhatIsNotThisModel) {
       {"edited.safetensors", kName});
   test::expect_error(load(edited([](auto&, auto& m) { m["model_config"] += "depth: 3\n"; })),
                      {"edited.safetensors", "depth"});
-  std::vector<float> bad(24, 1.0f);
-  bad[5] = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> bad;
   test::expect_error(load(edited([&](auto& t, auto&) {
+                       bad.assign(static_cast<size_t>(t[kName].numel()), 1.0f);
+                       bad[5] = std::numeric_limits<float>::quiet_NaN();
                        t[kName].data = reinterpret_cast<const std::byte*>(bad.data());
                      })),
                      {"edited.safetensors", kName, "not finite"});
