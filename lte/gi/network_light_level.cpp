@@ -119,7 +119,7 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
 }  // namespace
 
 IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                    std::shared_ptr<const CacheGeometry> geometry,
+                                    const std::shared_ptr<const CacheGeometry>& geometry,
                                     const CacheRecords& records, const RecordLight& light,
                                     const IrradianceSource& guess, const LevelOptions& options) {
   const std::vector<Rgb>& direct = light.direct;

@@ -47,7 +47,7 @@ struct LevelOptions {
 /// @return        the cache of direct light and what became of the guess
 /// @throws lte::Error if sizes differ, a value is not finite, or a count is out of range.
 IrradianceCache level_network_light(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                    std::shared_ptr<const CacheGeometry> geometry,
+                                    const std::shared_ptr<const CacheGeometry>& geometry,
                                     const CacheRecords& records, const RecordLight& direct,
                                     const IrradianceSource& guess, const LevelOptions& options);
 

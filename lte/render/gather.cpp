@@ -89,19 +89,19 @@ gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& se
       gi::estimate_records(bvh, lights, records, settings.paths, depth,
                            source ? places : hash_combine(settings.seed, kLight));
   auto geometry = std::make_shared<const gi::CacheGeometry>(bvh, records);
-  return source ? make_cache(scene, settings, std::move(geometry), records, light, source)
+  return source ? make_cache(scene, settings, geometry, records, light, source)
                 : gi::IrradianceCache::of(std::move(geometry), records, light);
 }
 
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
-                               std::shared_ptr<const gi::CacheGeometry> geometry,
+                               const std::shared_ptr<const gi::CacheGeometry>& geometry,
                                const gi::CacheRecords& records, const gi::RecordLight& direct,
                                const IrradianceSource& source) {
   gi::LevelOptions options;
   options.max_depth = settings.max_depth;
   options.seed = hash_combine(settings.seed, kLight);
-  return gi::level_network_light(scene.bvh, scene.lights, std::move(geometry), records, direct,
-                                 source, options);
+  return gi::level_network_light(scene.bvh, scene.lights, geometry, records, direct, source,
+                                 options);
 }
 
 double cache_mb(const CacheSettings& settings, int64_t groups) {

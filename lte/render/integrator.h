@@ -95,7 +95,7 @@ gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& se
                                const IrradianceSource& source = {});
 /// The same where records and their direct light are known.
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
-                               std::shared_ptr<const gi::CacheGeometry> geometry,
+                               const std::shared_ptr<const gi::CacheGeometry>& geometry,
                                const gi::CacheRecords& records, const gi::RecordLight& direct,
                                const IrradianceSource& source);
 

@@ -112,7 +112,7 @@ TEST(LightRecords, ShareTheirGeometryWhileNothingMoves) {
                           Method::Gather, {.records = 64}, {});
   apply_edit(SetLight{0, 0.5, {}}, &edits, &ids, &report);
   EXPECT_EQ(records.geometry(edits, lit.bvh).get(), records.traced.geometry.get());
-  apply_edit(MoveInstance{1, translation({0.2f, 0, 0})}, &edits, &ids, &report);
+  apply_edit(MoveInstance{1, test::translation({0.2f, 0, 0})}, &edits, &ids, &report);
   EXPECT_NE(records.geometry(edits, lit.bvh).get(), records.traced.geometry.get());
 }
 
