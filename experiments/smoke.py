@@ -12,6 +12,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SCENES, MODELS = ROOT / "assets/scenes", ROOT / "assets/models"
 BOX = SCENES / "cornell_box.glb"
+RIVALS = ROOT / "experiments/paper/rivals.yaml"  # of the training of other papers' networks
 
 
 class Subject:
@@ -116,7 +117,7 @@ def paper(subject):
     known = {"vanilla": 189475, "encoder": 2569507, "whole": 2640579}  # parameters at width 32
     for network, parameters in known.items():
         result = subject.run("roadmap", "--network", network, "--config",
-                             ROOT / "configs/train/shipped.yaml", "--data", data, "--steps", 20,
+                             RIVALS, "--data", data, "--steps", 20,
                              "--looks", 2, "--set", "data.scene_points=256", "--set",
                              "data.queries_per_scene=128", "--set", "train.warmup_steps=2")
         check(result["parameters"] == parameters, f"{network} has {parameters} parameters")
@@ -135,7 +136,7 @@ def rivals(subject, data):
     check(shading[5]["ssim"] > shading[0.5]["ssim"] and
           shading[5]["mse"] < 0.8 * shading[0.5]["mse"],
           f"it learns two views by heart: SSIM {shading[5]['ssim']:.3f}")
-    points = subject.run("hermosilla", "--config", ROOT / "configs/train/shipped.yaml", "--data",
+    points = subject.run("hermosilla", "--config", RIVALS, "--data",
                          data, "--test", data, "--also", data, "--seconds", 4,
                          "--tuned-seconds", 4, "--set", "data.scene_points=256", "--set",
                          "data.queries_per_scene=128")

@@ -9,23 +9,24 @@
 #
 # lte makes its data, wild rooms, homes and boxes, beside its training, which begins with the first
 # 600 scenes: some eight hours of two cores. lte-paper, the paper's network, learns from the same
-# data, all there first. FOLDER/release then has their curves, too, and their errors on the shipped
-# homes, on boxes and wild rooms of other seeds and on assets/scenes/outside. lte-radiance starts
-# from the shipped lte and takes a quarter of an hour; its figures are of glossy rooms.
+# rooms, with fewer points and all there first: some two hours. FOLDER/release then has their
+# curves, too, and their errors on the shipped homes, on boxes and wild rooms of other seeds and on
+# assets/scenes/outside. lte-radiance starts from the shipped lte and takes a quarter of an hour;
+# its figures are of glossy rooms.
 #
 # --rehearse goes the whole way on a few scenes and 8 steps, in minutes (FOLDER: data/rehearsed):
 # whether a machine has what the night will need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-usage() { sed -n '2,17s/^# \{0,1\}//p' "$0"; }
-default=data/released fewer_scenes=() fewer_steps=() smaller_pictures=()
+usage() { sed -n '2,18s/^# \{0,1\}//p' "$0"; }
+default=data/released fewer_scenes=() fewer_steps=() pictures=(--size 128x96)
 first_scenes=600 session_steps=1600
 if [ "${1:-}" = --rehearse ]; then
   shift
   default=data/rehearsed
   fewer_scenes=(--set scenes=16)
-  first_scenes=4 session_steps=3 smaller_pictures=(--size 48x36 --reference-spp 4)
+  first_scenes=4 session_steps=3 pictures=(--size 48x36 --reference-spp 4)
   fewer_steps=(--set train.steps=8 --set train.scenes_per_step=2 --set train.scenes_per_pass=1
     --set train.warmup_steps=2 --set train.checkpoint_every=4 --set train.validate_every=4
     --set train.log_every=1)
@@ -90,26 +91,30 @@ if [ "$name" = lte-radiance ]; then
   exit
 fi
 
-# $1: data set below $folder that is being made. Its finished scenes and the clean ones, which
-# validate, become the data set `lte_data`; names of scenes stay the same as it grows.
+# What a model learns from: the finished scenes of $rooms, and $clean ones, which validate. Names of
+# scenes stay the same as it grows.
+case $name in
+  lte) rooms=mixed clean=clean joined=lte_data ;;
+  lte-paper) rooms=mixed_paper clean=clean_paper joined=lte_paper_data ;;
+esac
 join_what_is_there() {
-  "$bin/lte_datagen" generate --out "$folder/$1" --merge --quiet
-  rm -rf "$folder/lte_data"
-  "$bin/lte_datagen" join "$folder/clean" "$folder/$1" --out "$folder/lte_data" --quiet
+  "$bin/lte_datagen" generate --out "$folder/$rooms" --merge --quiet
+  rm -rf "${folder:?}/$joined"
+  "$bin/lte_datagen" join "$folder/$clean" "$folder/$rooms" --out "$folder/$joined" --quiet
 }
 all_steps_done() {
   local steps
   steps=$(sed -n 's/^  steps: *//p' "$folder/lte/config.yaml")
   grep -q "\"step\": *$steps[,}]" "$folder/lte/log.jsonl"
 }
-finished_scenes() { find "$folder/mixed/scenes" -name '*.safetensors' 2> /dev/null | wc -l; }
+finished_scenes() { find "$folder/$rooms/scenes" -name '*.safetensors' 2> /dev/null | wc -l; }
 
 # Of a model of the mixed data, once it is trained.
 evaluate_mixed() {
   make_data wild_test wild_test
   make_data boxes_test boxes_test
   scripts/figures/learning_curves.py "$folder/$name" --out "$released.svg"
-  "$bin/lte_eval" --fit-baselines "$folder/lte_data" --out "$released.baselines.json"
+  "$bin/lte_eval" --fit-baselines "$folder/$joined" --out "$released.baselines.json"
   local tests=() test data
   for test in homes: boxes:boxes_test wild:wild_test; do
     data=${test#*:}
@@ -118,33 +123,33 @@ evaluate_mixed() {
     tests+=(--test "${test%%:*}=$released.${test%%:*}.json")
   done
   "$bin/lte_eval" scenes assets/scenes/outside --checkpoint "$released.safetensors" \
-    --methods network,decoded,gather --json "$released.outside.json" "${smaller_pictures[@]}" |
+    --methods network,decoded,gather --json "$released.outside.json" "${pictures[@]}" |
     tee "$released.outside.txt"
-  write_card "$folder/clean" "$folder/mixed" "${tests[@]}"
+  write_card "$folder/$clean" "$folder/$rooms" "${tests[@]}"
 }
 
 fewer_scenes=("${fewer_scenes[@]/scenes=16/scenes=6}")  # as long as sixteen boxes take
-make_data clean mixed --seed 391001 --set scenes=48 --set rays=512 --set val_share=1
+make_data "$clean" "$rooms" --seed 391001 --set scenes=48 --set rays=512 --set val_share=1
 if [ "$name" = lte-paper ]; then
-  make_data mixed mixed
-  join_what_is_there mixed
-  train lte_paper lte_data
+  make_data "$rooms" "$rooms"
+  join_what_is_there
+  train lte_paper "$joined"
   evaluate_mixed
   exit
 fi
-make_data mixed mixed --quiet &
+make_data "$rooms" "$rooms" --quiet &
 baker=$!
 trap 'kill "$baker" 2> /dev/null || true' EXIT
 while kill -0 "$baker" 2> /dev/null && [ "$(finished_scenes)" -lt "$first_scenes" ]; do
   sleep 5
 done
 while kill -0 "$baker" 2> /dev/null; do
-  join_what_is_there mixed
-  session lte lte_data --stop-after "$session_steps"
+  join_what_is_there
+  session lte "$joined" --stop-after "$session_steps"
   all_steps_done && break  # before all of the data are there
 done
 # Scenes that failed are left out, with a warning.
 all_steps_done || wait "$baker" || echo "train_released.sh: goes on without some scenes" >&2
-join_what_is_there mixed
-train lte lte_data
+join_what_is_there
+train lte "$joined"
 evaluate_mixed

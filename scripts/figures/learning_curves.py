@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Compares runs of lte_train: a table of their errors, validation error against steps, and final
-error against the number of scenes.
+"""Compares runs of lte_train: a table of their errors, validation error against steps, and, where
+runs have different numbers of scenes, final error against these.
 
   scripts/figures/learning_curves.py runs/small runs/large
   scripts/figures/learning_curves.py 100=runs/a 1000=runs/b --eval 100=a.json --eval 1000=b.json
@@ -178,8 +178,10 @@ def panels(runs, metric):
         known = sorted(point for point in points if None not in point)
         if known:
             drawn.append((name, known))
-    return [(f"{metric} by step", "step", False, curves),
-            ("final error by scenes", "training scenes", True, drawn)]
+    by_step = (f"{metric} by step", "step", False, curves)
+    if len({scenes for _, points in drawn for scenes, _ in points}) < 2:
+        return [by_step]
+    return [by_step, ("final error by scenes", "training scenes", True, drawn)]
 
 
 def ticks(low, high, logarithmic):

@@ -116,7 +116,7 @@ TEST_P(CExample, ItsPictureIsTheCppLibrarys) {
 }
 
 INSTANTIATE_TEST_SUITE_P(ShippedModels, CExample,
-                         testing::Values("lte-demo", "lte", "lte-radiance"));
+                         testing::Values("lte-paper", "lte", "lte-radiance"));
 
 TEST(CExampleRoom, DirectLightIsTheSumOverTheLamp) {
   std::vector<Pixel> pixels(kPixels);

@@ -117,12 +117,14 @@ class LearningCurves(unittest.TestCase):
         for word in ("<y>", "val_loss by step", "training scenes", "last val_loss", "0.1"):
             self.assertIn(word, texts)
 
-    def test_plot_of_one_value_is_a_dot_and_of_unknown_scenes_says_so(self):
-        plot = self.folder / "curves.svg"
-        run(self.log("a", [0.5]), "--out", plot)
+    def test_plot_of_one_value_is_a_dot_and_scenes_that_are_unknown_or_alike_have_none(self):
+        plot, a = self.folder / "curves.svg", self.log("a", [0.5])
+        run(a, "--out", plot)
         tags = [element.tag.split("}")[1] for element in xml.etree.ElementTree.parse(plot).iter()]
         self.assertEqual(tags.count("circle"), 1)
-        self.assertIn("nothing recorded", plot.read_text())
+        self.assertNotIn("training scenes", plot.read_text())
+        run(a, self.log("b", [0.4]), "--scenes", "a=7", "--scenes", "b=7", "--out", plot)
+        self.assertNotIn("training scenes", plot.read_text())
 
     def test_narrow_ranges_have_ticks(self):
         plot = self.folder / "curves.svg"

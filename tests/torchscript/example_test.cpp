@@ -75,7 +75,7 @@ TEST_F(TorchscriptExample, PythonGivesTheAnswersOfCpp) {
   if (std::system((python + " -c 'import torch' 2>/dev/null").c_str()) != 0)
     GTEST_SKIP() << python << " has no PyTorch";
   // Without light, with solved light, and with radiance and gloss.
-  for (const char* name : {"lte-demo", "lte", "lte-radiance"}) {
+  for (const char* name : {"lte-paper", "lte", "lte-radiance"}) {
     const std::string model = exported(name);
     const Answers cpp = answers_of(LTE_BINARY_DIR "/bin/room_light", folder_.path(), model),
                   py = answers_of(python + " examples/torchscript/room_light.py", folder_.path(),

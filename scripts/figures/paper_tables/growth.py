@@ -9,7 +9,7 @@ from .words import digits
 
 # Student's t of 95 %, two-sided, by degrees of freedom.
 STUDENT = (12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26, 2.23, 2.20, 2.18)
-LOG = "assets/models/lte-demo.log.jsonl"
+LOG = "assets/models/lte-paper.log.jsonl"
 PAPERS = {"steps": 2e6, "scenes": 12510, "parameters": 41.9e6}  # what the paper trained
 WIDTH, HEIGHT, LEFT, GAP, TOP, BOTTOM = 270, 220, 40, 20, 22, 36  # of a panel
 
@@ -29,15 +29,15 @@ def power_law(points):
     return slope, student * math.sqrt(rest / freedom / spread)
 
 
-def steps_of_demo(root):
-    """Validation of lte-demo, the paper's network at width 32, in the course of its training."""
+def validation(root):
+    """Steps of lte-paper, the paper's network at width 32, and its error in rooms that validate."""
     found = [json.loads(line) for line in (root / LOG).read_text().splitlines()]
     return [(each["step"], each["val_mse"]) for each in found if "val_mse" in each]
 
 
 def steps(root):
-    return [{"kind": "steps", "value": step, "seed": "lte-demo", "mse": mse}
-            for step, mse in steps_of_demo(root)]
+    return [{"kind": "steps", "value": step, "seed": "lte-paper", "mse": mse}
+            for step, mse in validation(root)]
 
 
 def kinds_of(rows):

@@ -54,14 +54,15 @@ PICTURE = """
 """
 
 GROWTH = """
-![Error of lte-demo by steps, a power law through one run whose rate falls, the paper's steps]\
+![Error of lte-paper by steps, a power law through one run whose rate falls, the paper's steps]\
 (images/paper_growth.svg)
 """
 
 AFTER = {"table1": """
 Pictures of 256 x 192; MSE without the references' noise, SSIM and FLIP of denoised ones. The
-rivals learnt for half an hour of one core, lte-base 52 times as long. By SSIM the order is the
-paper's. Sixteen paths or gathered rays, denoised, are ahead of all networks: in pictures ours
+rivals learnt for half an hour of one core, lte-base 52 times as long. lte-demo stood before
+[lte-paper](lab/learning.md#one-run-from-nothing). By SSIM the order is the paper's. Sixteen paths
+or gathered rays, denoised, are ahead of all networks: in pictures ours
 [gathers](benchmarks.md#rooms-from-elsewhere).
 """}  # shown in full, and what follows
 

@@ -26,7 +26,7 @@ def deep_shading(run, label, data, split, *tests):
 
 def hermosilla(run, data, *tests):
     return run.tool("hermosilla", "experiment_paper", "hermosilla", "--config",
-                    "configs/train/shipped.yaml", "--data", data, *tests, "--set",
+                    "experiments/paper/rivals.yaml", "--data", data, *tests, "--set",
                     "data.queries_per_scene=512", "--set", "train.scenes_per_step=1", "--seconds",
                     run.size(1800, 90), "--tuned-seconds", run.size(5, 1.5), "--threads", 1)
 
@@ -35,8 +35,8 @@ def gathered_light(run, label, data):
     return run.tool(label, "experiment_paper", "gathered", "--data", data, "--threads", 1)
 
 
-def demo_row(run, label, data):
-    rows = evaluated(run, label, data, checkpoint="lte-demo", flags=CLEAN)
+def paper_row(run, label, data):
+    rows = evaluated(run, label, data, checkpoint="lte-paper", flags=CLEAN)
     return next(row for row in rows if row["method"] == "network, decoded")
 
 
@@ -66,10 +66,10 @@ def rivals(run, homes, outside):
             | {key: each[key] for key in ("mse", "interval", "ssim", "flip", "worth")}
             | outside_columns(elsewhere)
             for name, each, elsewhere, training in found]
-    demo, demo_outside = demo_row(run, "demo", homes), demo_row(run, "demo-outside", outside)
-    return rows + [demo | outside_columns(demo_outside)
-                   | {"scenes": "homes", "method": "paper's network (lte-demo)",
-                      "training": "1,100 boxes, 46 min"}]
+    paper, elsewhere = paper_row(run, "paper", homes), paper_row(run, "paper-outside", outside)
+    return rows + [paper | outside_columns(elsewhere)
+                   | {"scenes": "homes", "method": "paper's network (lte-paper)",
+                      "training": "6,000 rooms, 1 h"}]
 
 
 def views_of(found):

@@ -113,7 +113,7 @@ def variants_line(rows):
 
 
 def growth_rows(run):
-    """Steps by the log of lte-demo; scenes and parameters by trainings."""
+    """Steps by the log of lte-paper; scenes and parameters by trainings."""
     rows = growth.steps(run.root)
     for seed in SEEDS:
         trainings = [("scenes", trained(run, f"scenes-{scenes}", "whole", seed,

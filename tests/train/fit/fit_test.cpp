@@ -23,7 +23,7 @@ namespace lte::train {
 namespace {
 
 constexpr const char* kModel = "assets/models/lte.safetensors";
-constexpr const char* kOther = "assets/models/lte-demo.safetensors";
+constexpr const char* kOther = "assets/models/lte-paper.safetensors";
 
 embed::EmbedSettings few_points() {
   embed::EmbedSettings settings;
