@@ -56,7 +56,7 @@ TEST(DatagenConfig, ShippedFilesOfBoxesAreValidAndNameEveryKey) {
   EXPECT_EQ(boxes.bake.scene_points, 20000);
   EXPECT_EQ(boxes.bake.query_points, 100000);
   EXPECT_EQ(boxes.bake.rays, 1024);
-  for (const char* child : {"boxes_small", "demo", "boxes_test", "shipped"}) {
+  for (const char* child : {"boxes_small", "demo", "boxes_test"}) {
     const DatagenConfig config = shipped(child);
     EXPECT_EQ(config.generator, GeneratorKind::Boxes) << child;
     EXPECT_FALSE(config.bake.prune) << child;
@@ -108,7 +108,7 @@ TEST(DatagenConfig, ShippedFilesOfHomesAreValidAndNameEveryKey) {
 }
 
 TEST(DatagenConfig, ShippedFilesOfWildRoomsAreValidAndNameEveryKey) {
-  for (const char* name : {"wild", "wild_test", "mixed"}) {
+  for (const char* name : {"wild", "wild_test", "mixed", "mixed_paper"}) {
     const DatagenConfig config = shipped(name);
     const Config yaml = shipped_yaml(name);
     EXPECT_TRUE(config.bake.prune) << name;
@@ -123,6 +123,7 @@ TEST(DatagenConfig, ShippedFilesOfWildRoomsAreValidAndNameEveryKey) {
   EXPECT_EQ(shipped("wild_test").test_share, 1);
   const DatagenConfig mixed = shipped("mixed");
   EXPECT_TRUE(mixed.makes(GeneratorKind::Homes) && mixed.makes(GeneratorKind::Boxes));
+  EXPECT_EQ(shipped("mixed_paper").seed, mixed.seed) << "the same rooms";
   EXPECT_THAT(error_in("generator: wold"),
               HasSubstr("expected boxes, homes, wild, mixed or files"));
   EXPECT_THAT(error_in("generator: wild\nwild: {cells: [1, 6]}"), HasSubstr("wild.cells"));
