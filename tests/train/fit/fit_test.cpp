@@ -146,7 +146,7 @@ class FitTool : public testing::Test {
     EXPECT_FALSE(std::filesystem::exists(dir_ / "out.safetensors"));
   }
   std::string scene_file(const scene::Scene& scene, const char* name) {
-    const std::string path = (dir_ / name).string();
+    std::string path = (dir_ / name).string();
     scene::write_glb(path, scene);
     return path;
   }
