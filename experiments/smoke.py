@@ -116,9 +116,8 @@ def paper(subject):
                  "light_paths=8", "--glb", "--quiet")
     known = {"vanilla": 189475, "encoder": 2569507, "whole": 2640579}  # parameters at width 32
     for network, parameters in known.items():
-        result = subject.run("roadmap", "--network", network, "--config",
-                             RIVALS, "--data", data, "--steps", 20,
-                             "--looks", 2, "--set", "data.scene_points=256", "--set",
+        result = subject.run("roadmap", "--network", network, "--config", RIVALS, "--data", data,
+                             "--steps", 20, "--looks", 2, "--set", "data.scene_points=256", "--set",
                              "data.queries_per_scene=128", "--set", "train.warmup_steps=2")
         check(result["parameters"] == parameters, f"{network} has {parameters} parameters")
         check(0 < result["loss"] < 1.5 * result["first_loss"] and
@@ -136,10 +135,9 @@ def rivals(subject, data):
     check(shading[5]["ssim"] > shading[0.5]["ssim"] and
           shading[5]["mse"] < 0.8 * shading[0.5]["mse"],
           f"it learns two views by heart: SSIM {shading[5]['ssim']:.3f}")
-    points = subject.run("hermosilla", "--config", RIVALS, "--data",
-                         data, "--test", data, "--also", data, "--seconds", 4,
-                         "--tuned-seconds", 4, "--set", "data.scene_points=256", "--set",
-                         "data.queries_per_scene=128")
+    points = subject.run("hermosilla", "--config", RIVALS, "--data", data, "--test", data, "--also",
+                         data, "--seconds", 4, "--tuned-seconds", 4, "--set",
+                         "data.scene_points=256", "--set", "data.queries_per_scene=128")
     check(points["tuned"]["mse"] < points["mse"], "the point network learns from a scene's points")
     check(points["also"][0]["mse"] == points["mse"],
           "what was tuned to scenes does not answer the next data set")

@@ -101,9 +101,10 @@ def training_runs(lines):
 
 
 def commit():
-    """The revision of the sources, or None outside of a repository."""
+    """The revision of the sources, marked if they were changed; None outside of a repository."""
     root = pathlib.Path(__file__).resolve().parents[2]
-    git = subprocess.run(["git", "-C", root, "rev-parse", "HEAD"], capture_output=True, text=True,
+    git = subprocess.run(["git", "-C", root, "describe", "--always", "--dirty",
+                          "--abbrev=40", "--exclude=*"], capture_output=True, text=True,
                          check=False)
     return git.stdout.strip() if git.returncode == 0 else None
 

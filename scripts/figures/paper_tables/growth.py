@@ -74,7 +74,7 @@ def panel(rows, kind, left):
     out += [text(left + LEFT - 4, up(value) + 4, f"{value:g}", "end") for value in up.ticks()]
     out += [text(across(value), HEIGHT - BOTTOM + 14, f"{value:,.0f}", "middle")
             for value in (min(xs), max(xs))]
-    words = f"MSE by {kind}: exponent {digits(slope, 2)} ± {digits(half, 2)}"
+    words = f"{kind}: exponent {digits(slope, 2)} ± {digits(half, 2)}"
     return [*out, text(left + LEFT, TOP - 8, words)]
 
 
